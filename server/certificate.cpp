@@ -10,7 +10,7 @@ std::expected<std::unique_ptr<net::TlsCertificate>, std::string> load_certificat
   if (certificate.empty()) return nullptr;
   auto loaded = net::TlsCertificate::load(certificate, key);
   if (!loaded) return loaded;
-  // The server starts all the same: the clock of the machine may be wrong, and SIGHUP reads another
+  // The server starts nevertheless: the clock of the machine may be wrong, and SIGHUP reads another
   // certificate without closing a connection.
   if (const auto fault = (*loaded)->fault()) {
     log::error(*fault + "; clients reject it until its files are replaced and SIGHUP is sent");

@@ -35,7 +35,7 @@
 namespace kerf {
 namespace {
 
-/// The options as they are given.
+/// The options as given.
 struct Words {
   std::string listen = "127.0.0.1:8080";
   std::string udp;
@@ -88,7 +88,7 @@ std::string version_text() {
          ", kernel " + std::to_string(kKernelVersion) + ")";
 }
 
-/// The names by which a local network knows this machine: its host name, and the one of mDNS.
+/// The names of this machine in a local network: its host name, and that of mDNS.
 std::vector<std::string> own_names() {
   std::array<char, HOST_NAME_MAX + 1> name{};
   if (gethostname(name.data(), name.size()) != 0 || name[0] == 0) return {};
@@ -104,7 +104,7 @@ SnapshotLimits snapshot_limits(double replay_s) {
   return limits;
 }
 
-/// A number from 0 to `most`; CLI::Range takes "nan" for one.
+/// A number from 0 to `most`. CLI::Range would accept "nan".
 CLI::Validator up_to(double most) {
   const auto check = [most](const std::string& text) {
     const auto number = net::parse_number<double>(text);
@@ -231,7 +231,7 @@ void describe_server(CLI::App& app, Words& line) {
       ->capture_default_str();
 }
 
-/// Turns the words of a valid command line into options.
+/// Converts the words of a valid command line to options.
 std::expected<CommandLine, int> understand(Words line) {
   line.server.snapshots = snapshot_limits(line.snapshot_s);
   if (!line.server.copies.url.empty()) line.server.snapshots.age = kCopiedSnapshotAge;

@@ -9,15 +9,15 @@
 
 namespace kerf {
 
-/// What kerf-server has to do.
+/// The task of kerf-server.
 struct CommandLine {
   std::vector<std::string> scenes;  ///< files whose sessions are created unless they exist
   net::ServerOptions server;
 };
 
-/// Reads the command line, the file of --config and the environment, and carries out the commands
-/// that serve nothing (check, replay, backup). The error is the exit status of a program that has
-/// nothing more to do; it has printed why.
+/// Reads the command line, the file of --config and the environment, and executes the commands that
+/// do not serve (check, replay, backup). The error is the exit status of a program that has nothing
+/// more to do, after printing the reason.
 std::expected<CommandLine, int> read_command_line(int argc, char** argv);
 
 }  // namespace kerf

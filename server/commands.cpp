@@ -8,7 +8,7 @@
 
 namespace kerf {
 
-/// The commands for copies at NATS; --nats may come before or after them.
+/// The commands for copies at NATS; --nats may precede or follow them.
 void Commands::add_copies(CLI::App& app) {
   app.add_subcommand("copies", "lists the sessions whose journals are copied at NATS (--nats)")
       ->fallthrough();

@@ -18,7 +18,7 @@ struct Commands {
   std::vector<std::uint64_t> without_strokes;
 
   void add(CLI::App& app);
-  /// The exit status of the command that was named; nullopt if none was.
+  /// Runs the command, if one was named, and returns its exit status, or nullopt.
   std::optional<int> run(const CLI::App& app, const std::string& nats) const;
 
  private:

@@ -18,7 +18,7 @@ std::string_view trimmed(std::string_view text) {
 
 bool is_quote(char c) { return c == '"' || c == '\''; }
 
-/// The lines of a file, one after the other.
+/// The lines of a file, in order.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
@@ -45,7 +45,7 @@ struct Value {
 
 Value faulty(std::string fault) { return {ConfigType::kUnknown, std::move(fault)}; }
 
-/// A text in quotes, behind which there may be a comment.
+/// A text in quotes, possibly followed by a comment.
 Value quoted_value(std::string_view text) {
   const auto end = text.find(text.front(), 1);
   if (end == text.npos) return faulty("has quotes that are not closed");
@@ -57,7 +57,7 @@ Value quoted_value(std::string_view text) {
   return {ConfigType::kText};
 }
 
-/// A list, which may go on in the next lines until one that ends with "]".
+/// A list, which may continue on the next lines until one that ends with "]".
 Value list_value(std::string_view first, Lines& lines) {
   std::string list(first);
   while (!list.ends_with(']')) {
@@ -86,7 +86,7 @@ Value value_of(std::string_view text, Lines& lines) {
   return {net::parse_number<double>(word) ? ConfigType::kNumber : ConfigType::kUnknown};
 }
 
-/// Why an option cannot have a value of that type; empty: it can.
+/// Why an option cannot have a value of that type, or an empty text.
 std::string mismatch(ConfigType wanted, ConfigType given) {
   const bool fits = wanted == given || wanted == ConfigType::kUnknown ||
                     (wanted == ConfigType::kTexts && given == ConfigType::kText);

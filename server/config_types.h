@@ -10,9 +10,9 @@
 
 namespace kerf {
 
-/// What an option takes as its value in a configuration file.
+/// Type of an option's value in a configuration file.
 enum class ConfigType : std::uint8_t {
-  kUnknown,  ///< there is no such option; who reads the file says so
+  kUnknown,  ///< not an option; reported by the reader of the file
   kBoolean,  ///< true or false
   kNumber,
   kText,   ///< in quotes
@@ -21,12 +21,12 @@ enum class ConfigType : std::uint8_t {
 
 struct ConfigFault {
   std::size_t line = 0;  ///< from 1
-  std::string reason;    ///< begins with the key where there is one
+  std::string reason;    ///< begins with the key if there is one
 };
 
-/// Checks each `KEY = VALUE` of a file in TOML, outside of sections, for the type of its option;
-/// the parser of the command line takes "yes" for true, and a line without a value too. Returns the
-/// first fault; nullopt: there is none.
+/// Checks the type of each `KEY = VALUE` of a TOML file, outside sections, because the parser of
+/// the command line accepts "yes" for true, and a line without a value. Returns the first fault, or
+/// nullopt.
 std::optional<ConfigFault> check_types(std::string_view text,
                                        const std::function<ConfigType(std::string_view)>& type_of);
 

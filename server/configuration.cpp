@@ -38,7 +38,7 @@ ConfigType type_of(const CLI::App& app, std::string_view key) {
   return is_number ? ConfigType::kNumber : ConfigType::kText;
 }
 
-/// TOML of which each value is checked for the type of its option before CLI11 reads it.
+/// TOML whose values are checked for the type of their option before CLI11 reads them.
 class TypedConfig final : public CLI::ConfigTOML {
  public:
   explicit TypedConfig(const CLI::App& app) : app_(app) {}

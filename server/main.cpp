@@ -29,9 +29,9 @@ namespace {
 
 using kerf::net::Server;
 
-/// Creates the session of a scene file unless it exists or is being loaded, e.g. from before a
-/// restart. Returns the error text of an invalid scene, empty otherwise. A journal that cannot be
-/// read or written is logged: it does not stop the other sessions.
+/// Creates the session of a scene file unless it exists or is being loaded, e.g. after a restart.
+/// Returns the error text of an invalid scene, empty otherwise. A journal that cannot be read or
+/// written is logged and does not stop the other sessions.
 std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file) {
   const auto scene = kerf::load_scene(file);
   if (!scene) return to_string(scene.error());
@@ -52,7 +52,7 @@ std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file)
     kerf::log::info("session " + id + ": " + scene->accuracy->reason);
   }
   using enum kerf::RegistryErrorCode;
-  // Of a cluster: it is at another server, or is about to be loaded from the data folder.
+  // In a cluster: it is at another server, or is about to be loaded from the data folder.
   if (!created && sessions.places() != nullptr && created.error().code == kExists) return {};
   if (!created && (created.error().code == kJournal || created.error().code == kNoLease)) {
     kerf::log::error("session " + id + " of " + file +
@@ -62,7 +62,7 @@ std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file)
   return created ? "" : created.error().reason;
 }
 
-/// False after an error, which has been printed.
+/// Returns false after printing an error.
 bool open_scenes(Server& server, const std::vector<std::string>& files) {
   for (const std::string& file : files) {
     const std::string error = open_scene(server.sessions(), file);
@@ -73,8 +73,8 @@ bool open_scenes(Server& server, const std::vector<std::string>& files) {
   return true;
 }
 
-/// Opens the standard streams that were closed when the program was started. Otherwise the first
-/// files that it opens get their numbers, and the address and the log are written into these.
+/// Opens standard streams that were closed at the start of the program. Otherwise the first files
+/// would get their numbers, and the address and the log would be written into them.
 void open_standard_streams() {
   for (int number = STDIN_FILENO; number <= STDERR_FILENO; ++number) {
     if (fcntl(number, F_GETFD) == -1 && open("/dev/null", O_RDWR) != number) std::abort();
@@ -100,11 +100,11 @@ void reload(Server& server) {
   }
 }
 
-/// Time for what is left of the server when its sessions are closed.
+/// Time for the rest of the server after its sessions are closed.
 constexpr std::chrono::seconds kEndTime{1};
 
-/// Ends the process when the server has not ended by itself in time. Nothing is lost: its journals
-/// are closed, and the work on requests that goes on has nobody to answer.
+/// Ends the process if the server has not ended in time. Nothing is lost: its journals are closed,
+/// and requests in progress have no peer to answer.
 void end_in_time(const std::stop_token& ended) {
   std::mutex mutex;
   std::condition_variable_any wake;
@@ -121,7 +121,7 @@ int serve(kerf::CommandLine line) {
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
   std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is like a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // a file size limit is handled like a full disk
 
   // Without a certificate and at a terminal SIGHUP ends the process, as when the terminal closes.
   const bool is_service = isatty(STDIN_FILENO) == 0;
@@ -133,7 +133,8 @@ int serve(kerf::CommandLine line) {
     std::fprintf(stderr, "kerf-server: %s\n", server.error().c_str());
     return 1;
   }
-  // A server of a cluster asks the others before it creates a session, who learn its address.
+  // In a cluster creating a session requires the other servers, which learn this one's address
+  // first.
   const bool asks = (*server)->sessions().places() != nullptr;
   if (!asks && !open_scenes(**server, line.scenes)) return 2;
   if (auto ok = (*server)->listen(); !ok) {

@@ -39,7 +39,7 @@ bool check_files(const std::filesystem::path& folder, const std::string& prefix)
   return checked && good;
 }
 
-/// Copies the grants and regions of a data folder, if it has any. The error is one sentence.
+/// Copies the grants and regions of a data folder, if any. The error is one sentence.
 std::expected<void, std::string> copy_rights(const std::filesystem::path& data,
                                              const std::filesystem::path& to) {
   if (!std::filesystem::exists(data / GrantFile::kName)) return {};
@@ -59,8 +59,8 @@ std::expected<void, std::string> copy_rights(const std::filesystem::path& data,
   return {};
 }
 
-/// Copies the snapshots of a journal, before the journal itself, which then holds their records.
-/// The error is one sentence.
+/// Copies the snapshots of a journal before the journal itself, which then has their records. The
+/// error is one sentence.
 std::expected<void, std::string> copy_snapshots(const std::filesystem::path& journal,
                                                 const std::filesystem::path& copy) {
   for (const auto& file_of : {snapshot_file, previous_snapshot_file}) {
@@ -73,7 +73,7 @@ std::expected<void, std::string> copy_snapshots(const std::filesystem::path& jou
   return {};
 }
 
-/// Copies the files of a journal whose pages SQLite cannot read, as they are.
+/// Copies the files of a journal whose pages SQLite cannot read, byte for byte.
 std::expected<void, std::string> copy_bytes(const std::filesystem::path& journal,
                                             const std::filesystem::path& copy) {
   for (const char* suffix : {"", "-wal"}) {
@@ -95,7 +95,7 @@ std::expected<void, std::string> copy_records(const std::filesystem::path& journ
   return std::unexpected(journal.string() + ": " + describe(copied.error()));
 }
 
-/// Verifies the copy of a journal; says what is wrong with it.
+/// Verifies the copy of a journal and prints its faults.
 bool is_good(const std::filesystem::path& journal, const std::filesystem::path& copy) {
   const CheckedFile checked = check_journal(copy);
   for (const FileFault& fault : checked.faults) {
@@ -105,8 +105,8 @@ bool is_good(const std::filesystem::path& journal, const std::filesystem::path& 
   return checked.faults.empty();
 }
 
-/// Copies a journal and its snapshots, verifies the copy and reports it; false if it is not good. A
-/// copy that is there already stays.
+/// Copies a journal and its snapshots, verifies the copy and reports it. Returns false on a fault.
+/// An existing copy stays.
 bool copy_session(const std::filesystem::path& journal, const std::filesystem::path& copy) {
   const bool is_new = !std::filesystem::exists(copy);
   auto copied = is_new ? copy_snapshots(journal, copy) : std::expected<void, std::string>();
@@ -121,7 +121,7 @@ bool copy_session(const std::filesystem::path& journal, const std::filesystem::p
   return is_good(journal, copy);
 }
 
-/// Copies the sessions of one folder; false if one could not be.
+/// Copies the sessions of one folder. Returns false if one failed.
 bool copy_sessions(const std::filesystem::path& data, const std::filesystem::path& to) {
   std::error_code error = create_private_folder(to);
   std::vector<std::filesystem::path> journals;
@@ -144,8 +144,8 @@ bool copy_sessions(const std::filesystem::path& data, const std::filesystem::pat
   return good;
 }
 
-/// Whether a folder is one of a server, or a backup. Says so if it is not: a mistyped name would
-/// pass for a folder without faults, or for a backup of everything.
+/// Whether a folder is that of a server, or a backup. Prints a message if not, because a mistyped
+/// name would pass for a folder without faults, or for a complete backup.
 bool is_data_folder(const std::filesystem::path& folder) {
   std::error_code unread;
   if (std::filesystem::exists(folder / FolderLock::kFileName, unread)) return true;

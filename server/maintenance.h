@@ -8,14 +8,14 @@
 namespace kerf {
 
 /// `kerf-server check`: prints one line for each journal and snapshot of a data folder. Returns the
-/// exit status: 0, or 1 if something is wrong; the lines say what, and what to do.
+/// exit status: 0, or 1 on any fault; the lines state the fault and the remedy.
 int check_data(const std::filesystem::path& folder);
 
 /// `kerf-server backup`: copies the journals and the rights of a data folder, also of a running
-/// server, into another folder, which is created; each copy holds what was committed when it was
-/// begun. Snapshots are not needed. Prints one line for each. Each copy is verified; a damaged
-/// journal is copied as it is. Returns the exit status: 0, or 1 if one is damaged or cannot be
-/// copied, e.g. because a file of its name is there; the others are copied all the same.
+/// server, into another folder, which is created. Each copy has everything committed when it was
+/// begun. Snapshots are optional. Prints one line for each. Each copy is verified; a damaged
+/// journal is copied unchanged. Returns the exit status: 0, or 1 if one is damaged or cannot be
+/// copied, e.g. because a file of its name exists; the remaining ones are still copied.
 int back_up(const std::filesystem::path& data, const std::filesystem::path& to);
 
 /// `kerf-server replay`: carves a journal from the start, compares it with its stored hashes and
@@ -24,13 +24,13 @@ int back_up(const std::filesystem::path& data, const std::filesystem::path& to);
 int replay_journal(const std::filesystem::path& file);
 
 /// `kerf-server replay --without-strokes`: carves a journal without some strokes, and without those
-/// that are undone at its end, and prints the hash of the block. Returns the exit status: 0, or 1
-/// if there is no such stroke or the journal cannot be read.
+/// undone at its end, and prints the hash of the block. Returns the exit status: 0, or 1 if a
+/// stroke does not exist or the journal cannot be read.
 int replay_without(const std::filesystem::path& file, const std::vector<std::uint64_t>& strokes);
 
-/// `kerf-server salvage`: writes what can be read of a damaged journal to a new one
-/// (salvage_journal), and prints what that holds and what is lost. Returns the exit status: 0, or 1
-/// if nothing can be salvaged or the new journal cannot be written.
+/// `kerf-server salvage`: writes the readable part of a damaged journal to a new one
+/// (salvage_journal), and prints its content and the losses. Returns the exit status: 0, or 1 if
+/// nothing can be salvaged or the new journal cannot be written.
 int salvage(const std::filesystem::path& file, const std::filesystem::path& to);
 
 }  // namespace kerf

@@ -36,22 +36,22 @@ using boost::system::error_code;
 
 namespace {
 
-/// Niceness of the threads that people see working, and of those that they wait for anyway. Beside
-/// programs that keep all cores busy a thread gets about 0.6 and 0.3 of the share of one of them.
-/// The threads of agents, of niceness 0, get as much as one, and before the others.
+/// Niceness of threads with visible results, and of those with background work. Next to programs
+/// that keep all cores busy a thread gets about 0.6 and 0.3 of their share. The threads of agents,
+/// with niceness 0, get a full share, and first.
 constexpr int kShown = 2, kBehind = 5;
 /// Time for peers to receive their bye when the server stops.
 constexpr std::chrono::seconds kDrainTime{2};
-/// Time for the connections of agents to end when they have been cut off.
+/// Time for the connections of agents to end after they have been cut off.
 constexpr std::chrono::seconds kCutTime{10};
-/// Time until the journals that the disk did not let the server read are tried again; doubled after
-/// each attempt that changed nothing.
+/// Time until journals that could not be read because of the disk are retried; doubled after each
+/// attempt without a change.
 constexpr std::chrono::seconds kReloadTime{1}, kReloadTimeMax{60};
-/// Sessions that are loaded at the same time: each needs a core, and memory beside its block.
+/// Sessions loaded at the same time: each needs a core, and memory in addition to its block.
 constexpr unsigned kLoadersMax = 4;
-/// Threads that carve one session, at most.
+/// Most threads that carve one session.
 constexpr int kCarversMax = 8;
-/// Time between two looks at the sizes of the files.
+/// Polling interval of the sizes of the files.
 constexpr std::chrono::seconds kDiskTime{1};
 /// Pause after an accept error, e.g. because the process is out of file descriptors.
 constexpr std::chrono::milliseconds kAcceptPause{100};
@@ -92,36 +92,37 @@ struct Server::Impl {
         acceptor(viewers.context()) {}
 
   asio::awaitable<void> accept();
-  /// Where the sessions go on: as an administrator has asked, else as the server was started.
+  /// The server that continues the sessions: requested by an administrator, else set at the start.
   std::string redirect() const {
     const std::string asked = api.drain_target();
     return asked.empty() ? options.drain_to : asked;
   }
   std::expected<void, std::string> listen_udp();
-  /// Loads the sessions of the folder side by side; then those whose disk failed meanwhile, as
-  /// soon as it works again.
+  /// Loads the sessions of the folder in parallel, then retries those whose disk failed, as soon as
+  /// it works again.
   void load(const std::stop_token& stop);
   void reload(const std::stop_token& stop);
-  /// Keeps the limits of the disk.
+  /// Enforces the disk limits.
   void watch_disk(const std::stop_token& stop);
 
   ServerOptions options;
   FolderLock lock;  ///< of the data folder; released when all journals are closed
   std::unique_ptr<Access> access;
   std::unique_ptr<TlsCertificate> certificate;  ///< null: without TLS
-  std::unique_ptr<ClusterNode> node;            ///< null: the server is alone
+  std::unique_ptr<ClusterNode> node;            ///< null: not in a cluster
   Metrics metrics;
   UdpPort udp{metrics};
   OpenConnections open;  ///< viewers' thread only; outlives the connections
   IoThreads spawner;     ///< creates the sessions' threads, which inherit its niceness of 0
   IoThreads viewers, meshing, past, snapshots;
-  /// Help the sessions' threads. Agents pause longer than a thread could spin.
+  /// Helpers of the sessions' threads. They sleep at once, because agents pause longer than a
+  /// thread could spin.
   ThreadPool carvers{std::min(usable_threads(), kCarversMax), ThreadPool::Idle::kSleeps};
   SessionRegistry registry;
   JournalWatch watch{registry, snapshots};
   const std::vector<std::span<const Route>> matter_routes = net::matter_routes();
   Api api;
-  IoThreads immediate;  ///< after `api`, which the work on requests uses
+  IoThreads immediate;  ///< after `api`, which requests in progress use
   FairThreads control{"control", kShown}, history{"history", kShown}, workers{"workers", kBehind},
       readers{"readers", kBehind}, exports{"exports", kBehind};
   HubDirectory hubs;
@@ -133,7 +134,7 @@ struct Server::Impl {
   tcp::acceptor acceptor;
   std::uint16_t port = 0;
   bool stopped = false;
-  std::unique_ptr<Replication> copies;  ///< null: no journal is copied
+  std::unique_ptr<Replication> copies;  ///< null: journals are not copied
   std::jthread loader, disk_watch;
 };
 
@@ -215,13 +216,14 @@ asio::awaitable<void> Server::Impl::accept() {
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() {
   stop();
-  // An agent's connection belongs to the thread of its session and uses what is destroyed here.
-  // Peers that do not close are cut off, those that have not said hello too.
+  // An agent's connection belongs to the thread of its session and uses members destroyed here.
+  // Peers that do not close are cut off, including those that have not said hello.
   const auto deadline = Clock::now() + kCutTime;
   while (impl_->metrics.agents > 0 && Clock::now() < deadline) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  // The viewers' thread uses the other threads until its last turn: they are destroyed before it.
+  // The viewers' thread uses the other threads until its last turn, so they are destroyed before
+  // it.
   run_and_wait(impl_->viewers, [this] {
     impl_->hubs.finish_reading();
     impl_->viewers.context().stop();
@@ -321,7 +323,7 @@ std::expected<void, std::string> Server::listen() {
     impl_->node->start(impl_->registry, advertised.empty() ? url() : advertised,
                        impl_->options.cluster, log_report);
   }
-  // Requests ask the node: it is there before the first one.
+  // Requests query the node, so it is started before the first one.
   asio::co_spawn(impl_->viewers.context(), impl_->accept(), asio::detached);
   return {};
 }
@@ -331,7 +333,7 @@ void Server::stop() {
   impl_->loader = {};  // stops it
   impl_->disk_watch = {};
   impl_->watch.stop();
-  // The acceptor belongs to the viewers' thread: it is closed there and destroyed here.
+  // The acceptor belongs to the viewers' thread, so it is closed there and destroyed here.
   run_and_wait(impl_->viewers, [this] {
     error_code ignored;
     impl_->acceptor.close(ignored);

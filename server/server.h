@@ -35,15 +35,15 @@ struct ServerOptions {
   SnapshotLimits snapshots;
   DiskLimits disk;
   UdpOptions udp;
-  std::string admin_token;  ///< empty: none; kept as its hash only
-  bool open = false;        ///< who has no token is a guest
-  /// Address of the server that continues the sessions after this one has stopped; empty: none.
+  std::string admin_token;  ///< empty: no administrator; only its hash is kept
+  bool open = false;        ///< callers without a token are guests
+  /// Address of the server that continues the sessions after this one has stopped; may be empty.
   std::string drain_to;
   ReplicationOptions copies;
   ClusterOptions cluster;
-  /// Bytes of mesh frames per second that each viewer may be sent at most; 0: any.
+  /// Upper limit of every viewer's mesh frames, bytes per second; 0: unlimited.
   std::uint32_t viewer_budget = 0;
-  bool needs_copy = false;  ///< samples are durable when they are copied too
+  bool needs_copy = false;  ///< samples are durable only when they are copied too
   /// PEM files of the certificate and its key; both empty: no TLS.
   std::filesystem::path tls_certificate, tls_key;
 };
@@ -51,8 +51,8 @@ struct ServerOptions {
 /// The complete service in one process: session registry, threads and listeners.
 class Server {
  public:
-  /// Creates the data folder if needed, locks it, and begins to load its sessions on threads of
-  /// their own. A broken journal is logged and skipped. Fails if another server uses the folder.
+  /// Creates the data folder if needed, locks it, and starts to load its sessions on threads of
+  /// their own. A damaged journal is logged and skipped. Fails if another server uses the folder.
   static std::expected<std::unique_ptr<Server>, std::string> create(ServerOptions options);
   ~Server();
 
@@ -65,8 +65,8 @@ class Server {
   std::uint16_t port() const;
   /// Returns the bound UDP port; 0 if UDP is off.
   std::uint16_t udp_port() const;
-  /// Reads the certificate again, for new connections; the last one stays if it cannot be used. The
-  /// error is one sentence.
+  /// Reads the certificate again, for new connections. The previous one stays if it cannot be used.
+  /// The error is one sentence.
   std::expected<void, std::string> reload_certificate();
   /// Sends `bye` to all peers, with the address of the server that continues, commits the journals
   /// and stops. Also called by the destructor.

@@ -17,7 +17,8 @@ bool overlap(const Dexel& a, const Dexel& b) { return a.bottom < b.top && b.bott
 
 /// The elements of a row of columns.
 struct AttachedMaterial::Row {
-  std::vector<std::size_t> first;  ///< of each column, and the end; into elements and labels
+  std::vector<std::size_t>
+      first;  ///< first element of each column, and the end; into elements and labels
   std::vector<Dexel> elements;
   std::vector<std::uint32_t> labels;
 };
@@ -26,7 +27,7 @@ AttachedMaterial::AttachedMaterial(const DexelSnapshot& block, const DexelSnapsh
     : columns_x_(block.grid().columns_x) {
   const DexelGrid& grid = block.grid();
   first_.reserve(std::size_t(grid.columns_x) * std::size_t(grid.columns_y));
-  std::vector<double> quanta;  // of each label, by the shares of the columns
+  std::vector<double> quanta;  // of each label, summed over the columns
   Row before, row;
   before.first.assign(std::size_t(columns_x_) + 1, 0);
   for (std::int32_t j = 0; j < grid.columns_y; ++j) {

@@ -9,15 +9,15 @@
 
 namespace kerf {
 
-/// Tells the material of a block that hangs together with a part from pieces that were cut loose,
-/// which fall off: a frame around a contour. Elements of neighboring columns that overlap in depth
-/// hang together.
+/// Separates the material of a block that is connected with a part from pieces that were cut loose
+/// and fall off, such as a frame around a contour. Elements of neighboring columns are connected if
+/// they overlap in depth.
 class AttachedMaterial {
  public:
-  /// Both must be of one grid.
+  /// Both must have the same grid.
   AttachedMaterial(const DexelSnapshot& block, const DexelSnapshot& part);
-  /// Returns whether the n-th element, from below, of column (i, j) of the block hangs together
-  /// with material of the part.
+  /// Returns whether the n-th element, from below, of column (i, j) of the block is connected with
+  /// material of the part.
   bool is_attached(std::int32_t i, std::int32_t j, std::size_t n) const;
   /// Returns the volume of the loose pieces, mm^3.
   double loose_mm3() const { return loose_mm3_; }

@@ -36,8 +36,8 @@
 namespace kerf {
 namespace {
 
-/// Motions that are cut together: enough work for several threads, however short they are. Together
-/// they reach about so many tiles at most, half a second's work, because a stop waits for them.
+/// Motions cut together: enough work for several threads, however short they are. Together they
+/// reach at most about kTilesTogether tiles, half a second's work, because a stop waits for them.
 constexpr std::size_t kMotionsTogether = 64;
 constexpr std::int64_t kTilesTogether = 8192;
 constexpr const char* kInterrupted = "interrupted";
@@ -107,7 +107,7 @@ class Carving {
     return {};
   }
 
-  // Samples the surface that the program leaves. A target that thin walls need a finer pitch for
+  // Samples the surface that the program leaves. A target that needs a finer pitch for thin walls
   // gets it, or a warning.
   Result find_walls() {
     const std::size_t samples = options_.wall_samples.value_or(wall_samples(scene_, program_));
@@ -200,7 +200,7 @@ class Carving {
     return simulate();
   }
 
-  // Applies the first of these motions. If one is rejected, the block is thrown away.
+  // Applies the first of these motions. If one is rejected, the block is discarded.
   std::expected<std::vector<MotionResult>, Failure> apply(std::span<const ProgramMotion> motions) {
     std::vector<MoveTool> moves;
     std::int64_t tiles = 0;
@@ -331,7 +331,7 @@ class Carving {
   Result write_report() {
     warn_of_idle_run(report_);
     Result done;
-    // With the accuracy that was carved, which thin walls may have refined.
+    // With the accuracy as carved, which thin walls may have refined.
     if (options_.write_scene)
       done = write_text(*options_.write_scene, scene_text(scene_, options_, *options_.write_scene));
     if (done && options_.page) done = write_page();

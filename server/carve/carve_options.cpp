@@ -211,7 +211,7 @@ void declare_programs(CLI::App& app, CarveOptions& options) {
       ->check(check_positive);
 }
 
-// How the meshes of --reference and --deviation are read.
+// Options for reading the meshes of --reference and --deviation.
 void declare_reference(CLI::App& app, MeshFile& as) {
   app.add_flag("--reference-repair", as.repair,
                "close holes and orient triangles of the meshes of --reference and --deviation");
@@ -291,7 +291,7 @@ void declare(CLI::App& app, CarveOptions& options) {
       ->check(CLI::Range(1, kThreadsMax));
 }
 
-// Splits --report by the kind of the file. Returns what is wrong, if anything.
+// Sorts --report by the kind of the file. Returns a fault, or an empty text.
 std::string settle_verification(CarveOptions& options) {
   if (options.verify && !options.reference)
     return "--verify needs --reference, the part that the program should make";

@@ -21,13 +21,14 @@ struct CarveOptions {
   std::filesystem::path scene;  ///< empty: derived from the program
   std::filesystem::path program;
   SceneWishes wishes;                                ///< --stock, --tool, of a derived scene
-  std::optional<std::filesystem::path> write_scene;  ///< the scene that is carved
+  std::optional<std::filesystem::path> write_scene;  ///< file for the scene in use
   EnvironmentFiles environment;
   bool verify = false;  ///< judge whether the program makes the part of --reference
   std::optional<std::filesystem::path> reference;  ///< gouges into this mesh are reported
   std::optional<double> gouge_tolerance_mm;        ///< default: the tolerance of the scene
-  MeshFile reference_as;  ///< how the meshes of --reference and --deviation are read; no file
-  /// Candidates of the search for thin walls; 0: none; default: by the program (wall_check.h).
+  MeshFile reference_as;  ///< unit, placement and repair of the meshes of --reference and
+                          ///< --deviation; no file
+  /// Candidates of the search for thin walls; 0: no search; default: by the program (wall_check.h).
   std::optional<std::size_t> wall_samples;
   double tool_change_s = 0;
   std::optional<std::filesystem::path> explain;  ///< only explain this scene
@@ -43,15 +44,14 @@ struct CarveOptions {
   int threads;  ///< for carving and for writing files
 };
 
-/// Returns the tolerance of the part that a verification allows, mm.
+/// Returns the part tolerance of a verification, mm.
 inline double part_tolerance_mm(const CarveOptions& options) {
   constexpr double kStandardMm = 0.1;
   return options.tolerance_mm.value_or(kStandardMm);
 }
 
-/// Parses the command line. Returns the options, or the exit status if nothing is left to do: 0
-/// after
-/// --help or --version, 2 after an error, which is printed on stderr in one line.
+/// Parses the command line. Returns the options, or the exit status if there is nothing more to do:
+/// 0 after --help or --version, 2 after an error, which is printed on stderr in one line.
 std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv);
 
 /// CLI11 validator of lengths and rates: returns "" for a finite number > 0, otherwise the error.

@@ -23,7 +23,7 @@ std::uint64_t peak_memory_bytes() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-// Bounds of the tip: shows why a program misses its block.
+// Bounds of the tip, which show why a program misses its block.
 Json tip_extents(const Program& program) {
   if (program.motions.empty()) return nullptr;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();

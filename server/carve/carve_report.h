@@ -30,19 +30,19 @@ struct CarveReport {
   std::string walls = "null";          ///< JSON text (wall_check.h)
   std::string verdict = "null";        ///< JSON text (verdict.h)
   double walls_s = 0;                  ///< search for thin walls
-  std::string read_as;                 ///< language of the program, and why it
+  std::string read_as;                 ///< language of the program, and why
   std::vector<std::string> warnings;
   std::vector<std::string> notes;    ///< assumptions and choices about the scene
   std::vector<FieldOrigin> origins;  ///< of the fields of a derived scene
 };
 
-/// Returns a state hash as reports name it: 16 hexadecimal digits.
+/// Returns a state hash as in reports: 16 hexadecimal digits.
 std::string hash_name(std::uint64_t hash);
 
 /// Returns the report as JSON text, with the peak memory of the process.
 std::string report_json(const CarveReport& report, const Scene& scene, const Program& program);
 
-/// Adds a warning, as the last one, if no stock was removed.
+/// Adds a final warning if no stock was removed.
 void warn_of_idle_run(CarveReport& report);
 
 }  // namespace kerf

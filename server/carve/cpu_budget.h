@@ -8,7 +8,7 @@
 namespace kerf {
 
 /// Requests a stop when this process has used a given CPU time, or when another stop is requested.
-/// Looks every 5 ms.
+/// Polls every 5 ms.
 class CpuBudget {
  public:
   /// Stops at Clock::process_cpu_s() >= `until_s`, or with `parent`.

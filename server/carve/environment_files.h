@@ -19,7 +19,7 @@ struct EnvironmentFiles {
   bool inch_machine = false;  ///< tool table and parameters are in inches; programs begin in G20
 };
 
-/// Reads the files. Subroutines are searched for beside the program first. The error is
+/// Reads the files. Subroutines are searched for next to the program first. The error is
 /// "file:line: reason".
 std::expected<GcodeEnvironment, std::string> load_environment(const EnvironmentFiles& files,
                                                               const std::filesystem::path& program);

@@ -7,13 +7,13 @@
 
 namespace kerf {
 
-/// Exit statuses of kerf-carve, beside those of a signal.
+/// Exit statuses of kerf-carve, except those after a signal.
 inline constexpr int kBadInput = 2;
 inline constexpr int kBadOutput = 1;
 /// The program does not make the part, or not safely (verdict.h).
 inline constexpr int kFailedVerification = 3;
 
-/// The end of a command that did not finish: its exit status and the line to print.
+/// An unfinished command: its exit status and the line to print.
 struct Failure {
   int status;
   std::string line;

@@ -12,9 +12,9 @@ namespace kerf {
 namespace {
 
 constexpr int kPictureWidth = 480, kPictureHeight = 360;
-// Linear, of the colors of a deviation (deviation.cpp).
+// The colors of a deviation (deviation.cpp), linear.
 constexpr Vec3 kTooDeep{0.015, 0.133, 0.413}, kLeftOver{0.445, 0.009, 0.024};
-/// A misfit just beyond the tolerance is to be seen.
+/// A misfit just beyond the tolerance must be visible.
 constexpr double kLeastShare = 0.35;
 constexpr Vec3 kPale{0.6, 0.6, 0.6};
 

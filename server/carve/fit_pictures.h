@@ -13,16 +13,15 @@ namespace kerf {
 
 /// A picture of a block.
 struct FitPicture {
-  const char* caption;  ///< the side it is seen from
+  const char* caption;  ///< side of the view
   std::string png;      ///< bytes
 };
 
 /// The distance from the part at which colors are full, in tolerances.
 inline constexpr double kFullColorTolerances = 4;
 
-/// Pictures of a block from several sides: wood where its surface is within the tolerance of the
-/// part, blue where it is cut too deep, red where material was left. Fewer pictures if a stop is
-/// requested.
+/// Pictures of a block from several sides: wood within the tolerance of the part, blue where it is
+/// cut too deep, red where material was left. Fewer pictures if a stop is requested.
 std::vector<FitPicture> fit_pictures(const DexelSnapshot& block, const MeshDistance& part,
                                      double tolerance_mm, Workers& workers,
                                      const std::stop_token& stop);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
 
-// Returns the length of the UTF-8 sequence at the beginning of a text; 0 if there is none.
+// Returns the length of the UTF-8 sequence at the beginning of a text; 0 if it is invalid.
 std::size_t sequence_length(std::string_view text) {
   const auto byte = [&](std::size_t n) { return static_cast<unsigned char>(text[n]); };
   const unsigned char first = byte(0);
@@ -17,7 +17,7 @@ std::size_t sequence_length(std::string_view text) {
   if (first < 0xC2 || first > 0xF4 || length > text.size()) return 0;
   for (std::size_t n = 1; n < length; ++n)
     if ((byte(n) & 0xC0) != 0x80) return 0;
-  // Overlong forms, surrogates and what is beyond U+10FFFF.
+  // Overlong forms, surrogates and code points beyond U+10FFFF.
   const unsigned char second = byte(1);
   if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) ||
       (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F))
@@ -35,7 +35,7 @@ std::string escaped(std::string_view text) {
     if (length == 0) {
       out += kReplacement;
     } else if (length > 1) {
-      // U+FFFE and U+FFFF are no characters of XML.
+      // U+FFFE and U+FFFF are not characters of XML.
       const bool forbidden = text.starts_with("\xEF\xBF\xBE") || text.starts_with("\xEF\xBF\xBF");
       out += forbidden ? kReplacement : text.substr(0, length);
     } else if (c == '&') {

@@ -6,8 +6,8 @@
 
 namespace kerf {
 
-/// Returns a text as content or attribute value of SVG and HTML: valid UTF-8, in which bytes that
-/// are none become U+FFFD, without control characters, with & < > " as entities.
+/// Returns a text as content or attribute value of SVG and HTML: valid UTF-8, with invalid bytes as
+/// U+FFFD, without control characters, with & < > " as entities.
 std::string escaped(std::string_view text);
 
 /// Formats a number with a printf format of a double.

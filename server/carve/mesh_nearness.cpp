@@ -13,7 +13,7 @@ namespace {
 
 /// Meshed tiles in memory, about 0.3 MB each.
 constexpr std::size_t kKeptMax = 600;
-/// A tile is asked for few points: building the tree must be cheap.
+/// A tile gets few queries, so building the tree must be cheap.
 constexpr std::uint32_t kTrianglesPerRun = 24;
 /// Pitches by which a tile's mesh may extend beyond its columns.
 constexpr double kOverhangPitches = 2;

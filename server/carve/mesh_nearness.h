@@ -12,8 +12,8 @@
 
 namespace kerf {
 
-/// Computes distances from points to the mesh of a snapshot. Tiles are meshed where a point comes
-/// near them and a limited number of them is kept, so points should be sorted by place. Not
+/// Computes distances from points to the mesh of a snapshot. Tiles are meshed when a point comes
+/// near them, and a limited number of them is kept, so points should be sorted by position. Not
 /// thread-safe.
 class MeshNearness {
  public:

@@ -63,7 +63,7 @@ std::vector<Misfit> joined(const std::vector<ColumnMisfit>& columns, const Dexel
 }
 
 // Returns the least distance of a point from a moving tool, or any value below `enough_mm` if one
-// is reached. No point moves faster than the farthest point of the tool, which bounds the steps.
+// is reached. The speed of the farthest point of the tool bounds the steps.
 double least_distance_mm(Vec3 point, const ProgramMotion& motion, const ToolProfile& profile,
                          double reach_mm, double enough_mm) {
   const Vec3 travel = motion.to.tip_mm - motion.from.tip_mm;
@@ -166,7 +166,7 @@ void attribute_gouges(Misfits& gouges, const std::vector<ProgramMotion>& motions
 void attribute_rests(Misfits& rests, const Scene& scene, const std::vector<ProgramMotion>& motions,
                      const std::stop_token& stop) {
   if (rests.worst.empty() || motions.empty()) return;
-  // A motion farther away than the block is long is not the cause.
+  // A motion farther away than the length of the block is not the cause.
   const BoxStock box = stock_bounds(scene.settings.stock);
   const TrueSolid cuts(box, scene.tools, motions, length(box.max_mm - box.min_mm));
   for (Misfit& rest : rests.worst) {

@@ -17,7 +17,7 @@ namespace {
 constexpr double kRangeMinMm = 1e-6;
 /// Spacing of the samples for the figures, in pitches.
 constexpr double kSpacingPitches = 2;
-/// A tolerance to propose, in pitches.
+/// A proposed tolerance, in pitches.
 constexpr double kProposedPitches = 0.05;
 
 std::string too_large_for_parts(const ModelSummary& model, double pitch_mm) {
@@ -63,7 +63,7 @@ void ask_for_unit(const std::optional<std::filesystem::path>& file, MeshFile as,
 
 std::unique_ptr<MeshSource> CarvedSurface::plain() const {
   if (simplified_) return std::make_unique<WholeMesh>(*simplified_);
-  // Deviations vary along a face that no cut has reached.
+  // Deviations vary along an uncut face.
   return std::make_unique<SnapshotMesh>(
       snapshot_, compared_ ? FlatFaces::kByTile : FlatFaces::kMerged, &workers_);
 }

@@ -30,7 +30,7 @@ struct ModelChoice {
 
 /// Processing of the surface before it is written.
 struct SurfaceRequest {
-  SimplifyRequest simplify;  ///< without limits: the surface is not simplified
+  SimplifyRequest simplify;                        ///< not simplified without limits
   std::optional<std::filesystem::path> reference;  ///< measure the deviation from this mesh
   std::optional<double> range_mm;  ///< range of the colors; default: the 99th percentile
   Vec3 translate_mm;               ///< added to the coordinates in the files
@@ -47,21 +47,20 @@ struct SurfaceReport {
 
 struct WrittenModel {
   std::uint64_t triangles = 0;
-  std::vector<std::string>
-      warnings;  ///< one line each: detail that was lost, a limit that the file exceeds
+  std::vector<std::string> warnings;  ///< one line each: lost detail, an exceeded limit
 };
 
-/// Adds the greatest number of triangles of some files, if there are any, and their warnings.
+/// Adds the greatest number of triangles of some files, if any, and their warnings.
 void add_written(std::span<const WrittenModel> files, std::optional<std::uint64_t>& triangles,
                  std::vector<std::string>& warnings);
 
-/// Reads a mesh to compare with, if one is named, placed and repaired as `as` says, whose file is
-/// not used. Repairs are reported in one line, and so is the error.
+/// Reads a mesh to compare with, if one is named, placed and repaired according to `as`, whose file
+/// is not used. Repairs, and the error, are reported in one line.
 std::expected<std::optional<IndexedMesh>, std::string> load_reference(
     const std::optional<std::filesystem::path>& file, MeshFile as,
     const std::function<void(std::string)>& say);
 
-/// Says the question for the unit of such a mesh (unit_question), compared with the stock.
+/// Reports the question about the unit of such a mesh (unit_question), compared with the stock.
 void ask_for_unit(const std::optional<std::filesystem::path>& file, MeshFile as,
                   const std::optional<IndexedMesh>& mesh, const Scene& scene,
                   const std::function<void(std::string)>& say);
@@ -70,7 +69,7 @@ void ask_for_unit(const std::optional<std::filesystem::path>& file, MeshFile as,
 class CarvedSurface {
  public:
   /// `reference` may be null; `workers` mesh, and must outlive the surface. The error is one
-  /// sentence. Ends early if a stop is requested; the result is then of no use.
+  /// sentence. Ends early if a stop is requested; the result must then not be used.
   static std::expected<std::unique_ptr<CarvedSurface>, std::string> make(
       const SolidSnapshot& snapshot, const SurfaceRequest& request, const IndexedMesh* reference,
       const ModelProgress& progress, const std::stop_token& stop, Workers& workers);

@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 OutputFile::OutputFile(fs::path target) : target_(std::move(target)) {
   std::error_code error;
   const fs::path resolved = fs::weakly_canonical(target_, error);
-  // Symbolic links are followed, as a shell does.
-  // /dev/stdout may refer to a regular file opened by the shell, which must not be replaced.
+  // Follows symbolic links, like a shell. /dev/stdout may refer to a regular file opened by the
+  // shell, which must not be replaced.
   const bool device = target_.string().starts_with("/dev/");
   const fs::path real = error || device ? target_ : resolved;
   copy_ = device || (fs::exists(real, error) && !fs::is_regular_file(real, error));
@@ -56,7 +56,7 @@ OutputFile& OutputFiles::add(const fs::path& target) {
 }
 
 std::expected<void, std::string> OutputFiles::commit() {
-  // Not locked: a pipe may block, and abandon() must not wait for it.
+  // Not locked, because a pipe may block, and abandon() must not wait for it.
   for (const auto& file : files_)
     if (auto done = file->commit(); !done) return done;
   return {};

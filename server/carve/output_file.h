@@ -10,8 +10,8 @@
 
 namespace kerf {
 
-/// A file that is complete or absent: it is written under a temporary name in the same folder and
-/// renamed by commit(). Without commit() it is removed.
+/// A file that is complete or absent: written under a temporary name in the same folder and renamed
+/// by commit(). Without commit() it is removed.
 class OutputFile {
  public:
   /// If `target` is not a regular file (/dev/stdout, a pipe), commit() copies into it.
@@ -33,12 +33,13 @@ class OutputFile {
 /// The output files of a run. Thread-safe.
 class OutputFiles {
  public:
-  /// Adds a file; it remains valid as long as this object.
+  /// Adds a file; the reference is valid as long as this object.
   OutputFile& add(const std::filesystem::path& target);
-  /// Commits all files in the order of add(). The error is that of the first that fails; it and
-  /// those after it are not written.
+  /// Commits all files in the order of add(). The error is that of the first failure; that file and
+  /// all after it are not written.
   std::expected<void, std::string> commit();
-  /// Removes the temporary files, also while they are being written: the process is about to end.
+  /// Removes the temporary files, even while they are being written, because the process is about
+  /// to end.
   void abandon();
 
  private:

@@ -6,7 +6,7 @@
 namespace kerf {
 namespace {
 
-// The solid of a part is in the stock if its corners are, for a stock that is convex.
+// For a convex stock, the solid of a part is in it if its corners are.
 std::optional<Shortfall> shortfall_of(const IndexedMesh& mesh, const Scene& scene,
                                       double tolerance_mm) {
   const TrueSolid uncut(scene.settings.stock, {}, {}, 0, scene.settings.stock_mesh.get());

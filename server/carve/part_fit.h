@@ -9,7 +9,7 @@
 
 namespace kerf {
 
-/// A point of a part that lies outside of the stock.
+/// A point of a part outside the stock.
 struct Shortfall {
   double mm = 0;  ///< distance from the stock
   Vec3 at_mm;
@@ -23,15 +23,15 @@ struct PartFit {
   double loose_mm3 = 0;                ///< of pieces that were cut loose (attached_material.h)
 };
 
-/// What is searched, and how exactly.
+/// Scope and tolerance of the search.
 struct PartFitRequest {
   double tolerance_mm;  ///< of the part
   bool two_sided;       ///< search for rests and the shortfall too; the mesh must bound a solid
 };
 
 /// Compares a block before and after a program with a part, a mesh in scene coordinates. The error,
-/// one clause, says why the mesh bounds no solid. Ends early, with a result of no use, if a stop is
-/// requested.
+/// one clause, says why the mesh bounds no solid. Ends early if a stop is requested; the result
+/// must then not be used.
 std::expected<PartFit, std::string> fit_part(const DexelSnapshot& before,
                                              const DexelSnapshot& after, const IndexedMesh& mesh,
                                              const Scene& scene, const Program& program,

@@ -15,8 +15,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Shows `share`, 0 to 1. A new phase is drawn at once, its progress at most ten
-  /// times a second, so that it may be called often.
+  /// Shows `share`, 0 to 1. A new phase is drawn at once, its progress at most ten times a second,
+  /// so frequent calls are cheap.
   void show(const std::string& phase, double share);
   /// Removes the line.
   void clear();

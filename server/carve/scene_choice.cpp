@@ -17,7 +17,7 @@ using Result = std::expected<void, Failure>;
 
 /// Tolerance of a derived scene whose pitch is given, as a share of it.
 constexpr double kToleranceShare = 0.1;
-/// Tolerance of a block that is verified, as a share of that of the part.
+/// Tolerance of a verified block, as a share of the part's.
 constexpr double kCarvedShare = 0.25;
 
 Result settle_tools(const CarveOptions& options, Scene& scene) {
@@ -27,8 +27,7 @@ Result settle_tools(const CarveOptions& options, Scene& scene) {
                    resolved.error().error.field + " " + resolved.error().error.reason);
 }
 
-// The command line overrides the scene; if the scene has a target, the other values are chosen to
-// meet it.
+// The command line overrides the scene. With a target, the other values are chosen to meet it.
 Result settle_options(const CarveOptions& options, ChosenScene& chosen) {
   Scene& scene = chosen.scene;
   AccuracyRequest request;
@@ -100,7 +99,7 @@ std::expected<ChosenScene, Failure> derived(const CarveOptions& options,
   auto derived = derive(options, part_mm);
   if (!derived) return std::unexpected(derived.error());
   for (std::string& note : derived->notes) note.insert(0, "scene: ");
-  // A pitch that is asked for is kept: the target was only assumed.
+  // A requested pitch is kept, because the target was only assumed.
   if (options.pitch_mm) {
     derived->scene.accuracy.reset();
     derived->scene.settings.tolerance_mm = kToleranceShare * *options.pitch_mm;
@@ -119,7 +118,7 @@ std::expected<ChosenScene, Failure> loaded(const CarveOptions& options) {
   return chosen;
 }
 
-// The name, relative to `to`, of a file that is named relative to `from`.
+// Rewrites the name of a file from relative to `from` to relative to `to`.
 void rebase_file(std::string& file, const std::filesystem::path& from,
                  const std::filesystem::path& to) {
   if (file.empty() || std::filesystem::path(file).is_absolute()) return;
@@ -168,7 +167,7 @@ std::expected<ChosenScene, Failure> choose_scene(const CarveOptions& options,
     return std::unexpected(settled.error());
   if (auto settled = settle_options(options, *chosen); !settled)
     return std::unexpected(settled.error());
-  // Only meshing uses normals, and pictures.
+  // Only meshing and pictures use normals.
   settings.keep_normals = !options.models.empty() || options.surface.reference || options.page;
   return chosen;
 }

@@ -72,7 +72,7 @@ void Simulation::follow(const ProgramMotion& motion, const MotionResult& result)
   if (cuts) {
     // An imprint loads no tool.
     cut_mm3 = result.removed_mm3 - result.imprint_mm3;
-    // Path of the contact: for a rotation in place, that of the middle of the tool.
+    // Path of the contact; for a turn without travel, that of the middle of the tool.
     const double contact_mm =
         std::max(path_mm, turn * scene_.tools.at(motion.tool).tool.length_mm / 2);
     const double area = contact_mm > 0 ? cut_mm3 / contact_mm : 0;

@@ -19,7 +19,7 @@ namespace kerf {
 /// Removed volumes below this are rounding on a surface that was cut before, mm^3.
 inline constexpr double kNothingRemovedMm3 = 1e-6;
 
-/// A maximum and where it occurred.
+/// A maximum with its position in the program.
 struct Extreme {
   double value = 0;
   std::uint32_t file = 0, line = 0;
@@ -39,7 +39,7 @@ struct ToolUse {
   Extreme engaged_area_mm2, removal_rate_mm3_per_s, force_n;
 };
 
-/// The volume that the motions of one line of the program took.
+/// The volume removed by the motions of one line of the program.
 struct LineVolume {
   std::uint32_t file = 0, line = 0;
   ToolId tool = 0;
@@ -70,9 +70,9 @@ class Simulation {
   const ContactRuns& stock_contacts() const { return stock_; }
   /// Contacts of tool, shank or holder with obstacles; the amount is the contact force, N.
   const ContactRuns& obstacle_contacts() const { return obstacle_; }
-  /// What rapid motions removed. One entry per line in program order, at most 1000.
+  /// Volumes removed by rapid motions. One entry per line in program order, at most 1000.
   const std::vector<LineVolume>& rapid_cuts() const { return rapid_cuts_; }
-  /// The imprints of tools whose motion started inside stock, likewise.
+  /// The imprints of tools whose motion started inside stock, in the same form.
   const std::vector<LineVolume>& imprints() const { return imprints_; }
   const Program& program() const { return program_; }
   const Scene& scene() const { return scene_; }

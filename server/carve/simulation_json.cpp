@@ -105,14 +105,14 @@ Json misfits_json(const Program& program, const std::optional<Misfits>& misfits)
   return {{"tolerance_mm", misfits->tolerance_mm}, {"count", misfits->count}, {"worst", list}};
 }
 
-// Whether a rapid has cut as much as the tool's own thickness: more than it takes from a surface
-// that it leaves.
+// Whether a rapid has cut as deep as the tool's own thickness: more than a film that it takes when
+// leaving a surface.
 bool plunges(const Simulation& simulation, const LineVolume& line) {
   const double radius = simulation.scene().tools.at(line.tool).tool.radius_mm;
   return line.mm3 > 2 * std::numbers::pi * radius * radius * radius;
 }
 
-// A tool that leans in the wrong direction comes from inside the stock.
+// A tool that leans in the wrong direction approaches from inside the stock.
 void warn_of_rotary_direction(const Simulation& simulation, std::vector<std::string>& warnings) {
   if (!has_rotary_table(simulation.scene().machine.kinematics)) return;
   const bool through = std::ranges::any_of(

@@ -6,7 +6,7 @@
 namespace kerf {
 namespace {
 
-// Bounds the memory for a program that touches permanently with changing tools.
+// Bounds the memory for a program with permanent contact and changing tools.
 constexpr std::size_t kRunsMax = 100'000;
 
 std::string warning_of(const ContactRun& run, const Program& program, const std::string& what) {

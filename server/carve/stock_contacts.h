@@ -24,7 +24,7 @@ struct ContactRun {
 /// Collects contacts: one entry per run of motions.
 class ContactRuns {
  public:
-  /// Adds the next motion of the program and its amount (0: no contact).
+  /// Adds the next motion of the program and its amount (0 without contact).
   void follow(const ProgramMotion& motion, double amount);
   const std::vector<ContactRun>& runs() const { return runs_; }
 

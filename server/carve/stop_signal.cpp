@@ -13,7 +13,7 @@
 namespace kerf {
 namespace {
 
-// A handler cannot wake a thread by the means of C++, so the watcher looks at the flag.
+// A signal handler cannot wake a thread in standard C++, so the watcher polls the flag.
 constexpr std::chrono::milliseconds kLook{20};
 constexpr std::chrono::milliseconds kGrace{500};
 constexpr int kStatusOfSignals = 128;

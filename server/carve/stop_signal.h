@@ -8,19 +8,20 @@
 namespace kerf {
 
 /// Turns SIGINT and SIGTERM into a stop request for the work of this process. Work that does not
-/// end within half a second of the signal (a long call into a library, one very long motion) is
-/// abandoned: `abandon` is called on a thread of this object and the process exits at once with
-/// status(). Only one object may exist at a time.
+/// end within half a second of the signal (a long library call, one very long motion) is abandoned:
+/// `abandon` is called on a thread of this object and the process exits at once with status(). Only
+/// one object may exist at a time.
 class StopSignal {
  public:
-  /// `abandon` must be safe while the work still runs, e.g. remove unfinished files.
+  /// `abandon` must be safe while the work still runs. It may, for example, remove unfinished
+  /// files.
   explicit StopSignal(std::function<void()> abandon);
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
   /// Restores the default actions of both signals.
   ~StopSignal();
 
-  /// Requests a stop from the signal on.
+  /// The token; a stop is requested at the signal.
   std::stop_token token() const { return source_.get_token(); }
   /// Returns the conventional exit status: 128 + the number of the signal (130 for SIGINT, 143 for
   /// SIGTERM); 0 before a signal.

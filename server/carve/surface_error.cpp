@@ -60,7 +60,7 @@ DistanceFigures measure_surface(const SolidSnapshot& snapshot, const TrueSolid& 
 
 DistanceFigures measure_missing(const SolidSnapshot& snapshot, const CutSurface& surface,
                                 const std::stop_token& stop) {
-  // By tile: few of them are meshed at a time.
+  // Tile by tile, so that few tiles are meshed at a time.
   const DexelGrid& grid = snapshot.grid();
   const double side_mm = kTileSide * grid.pitch_mm;
   const auto tile_of = [&](const CutPoint& point) {

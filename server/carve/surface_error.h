@@ -14,7 +14,7 @@ namespace kerf {
 /// Measures the distance from the mesh of a snapshot to the true solid at corners and centroids of
 /// triangles. Meshes the tiles that a tool has touched (all, or an even selection) and measures
 /// about `samples` evenly selected points. Points nearest to the stock's own border are excluded,
-/// because the result is the error of the cuts. What the mesh lacks is not seen
+/// because the result is the error of the cuts. Features missing from the mesh are not measured
 /// (measure_missing()). Equal snapshots give equal results. Ends early, with the figures of fewer
 /// points, if a stop is requested.
 DistanceFigures measure_surface(const SolidSnapshot& snapshot, const TrueSolid& truth,

@@ -27,11 +27,11 @@
 namespace kerf {
 namespace {
 
-// Fractions of the time budget: for all configurations together, and for one of them.
+// Fractions of the time budget: for all configurations together, and for a single one.
 constexpr double kSweepShare = 0.7;
 constexpr double kOneShare = 0.25;
-// Pitch of the reference relative to the finest one: not a simple ratio, so that a wall that
-// happens to be aligned with one grid is not aligned with the other.
+// Pitch of the reference relative to the finest one. The ratio is not simple, so that a wall
+// aligned with one grid is not aligned with the other.
 constexpr double kReferencePitch = 0.38;
 constexpr double kReferenceTolerance = 0.1;
 // The reference is compared with a coarser one to estimate its own error.
@@ -65,7 +65,7 @@ class Tradeoff {
       return std::unexpected(Failure{StopSignal::status(), "interrupted"});
     return write();
   }
-  /// Prints what was measured and removes unfinished files, from any thread while run() still runs.
+  /// Prints the measured rows and removes unfinished files, from any thread while run() still runs.
   void abandon() {
     outputs_.abandon();
     print();
@@ -130,7 +130,7 @@ class Tradeoff {
     return std::max(kReferenceTolerance * tolerances_.back(), 1e-6);
   }
 
-  // Without rotation all motion models are equivalent, and all tolerances unless fillets follow
+  // Without rotation all motion models are equivalent, and all tolerances unless fillets depend on
   // them.
   void plan() {
     const auto either = [](const std::vector<std::string>& asked,
@@ -225,7 +225,8 @@ class Tradeoff {
     results_[n] = std::move(result);
   }
 
-  // Fills the row within its share of the budget. Returns why it could not; else an empty text.
+  // Fills the row within its share of the budget. Returns the reason of a failure, or an empty
+  // text.
   std::string measured(TradeoffRow& row, Carved& result, const std::string& phase) {
     const double end_s = kSweepShare * options_.budget_seconds;
     const CpuBudget budget(
@@ -359,7 +360,7 @@ class Tradeoff {
   bool fillets_ = false;  ///< of the tools follow the tolerance
   std::unique_ptr<TrueSolid> truth_;
   CutSurface cut_surface_;
-  std::mutex mutex_;  ///< guards what follows against abandon()
+  std::mutex mutex_;  ///< guards the members below against abandon()
   std::vector<TradeoffRow> rows_;
   std::vector<Carved> results_;
   std::size_t samples_ = 0;

@@ -6,8 +6,8 @@
 namespace kerf {
 
 /// Carves a program with many accuracy settings, prints the cost and error of each, and writes the
-/// requested files. Returns the exit status as run_carve() does. After SIGINT or SIGTERM it prints
-/// the rows that were measured and writes no file.
+/// requested files. Returns the exit status like run_carve(). After SIGINT or SIGTERM it prints the
+/// measured rows and writes no file.
 int run_tradeoff(const TradeoffOptions& options);
 
 }  // namespace kerf

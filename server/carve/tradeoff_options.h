@@ -20,12 +20,12 @@ struct TradeoffOptions {
   std::vector<std::string> rays, motions;
   std::optional<double> target_mm;  ///< marks the cheapest row that meets it
   double budget_seconds = 600;
-  double budget_mb = 4096;  ///< stock of one configuration if all of it is touched
+  double budget_mb = 4096;  ///< memory of the stock of one configuration if all of it is touched
   std::size_t samples = 10000;
 };
 
 /// Parses the command line from the word "tradeoff" on. Returns the options, or the exit status if
-/// nothing is left to do.
+/// there is nothing more to do.
 std::variant<TradeoffOptions, int> parse_tradeoff_options(int argc, char** argv);
 
 }  // namespace kerf

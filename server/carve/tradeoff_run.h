@@ -23,8 +23,8 @@ struct CarvedOnce {
   std::vector<Vec3> forces_n;  ///< one per motion
 };
 
-/// Carves every motion, forces included; `progress` receives the fraction done from time to time.
-/// The error states the reason in a few words; it is empty if a stop was requested, which is obeyed
+/// Carves every motion, forces included; `progress` receives the fraction done at intervals. The
+/// error states the reason in a few words. It is empty if a stop was requested, which takes effect
 /// between motions.
 std::expected<CarvedOnce, std::string> carve_once(const SculptureSettings& settings,
                                                   const Scene& scene, const Program& program,

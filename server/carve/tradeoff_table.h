@@ -31,7 +31,7 @@ struct TradeoffRow {
 };
 
 /// Marks the Pareto front of time per motion and greatest surface error: the rows for which no
-/// other is at least as good in both and better in one. Of equal rows the first is marked.
+/// other is at least as good in both and better in one. The first of equal rows is marked.
 void mark_front(std::vector<TradeoffRow>& rows);
 /// Marks the fastest row whose greatest surface error is at most `target_mm`, if any.
 void mark_cheapest(std::vector<TradeoffRow>& rows, double target_mm);

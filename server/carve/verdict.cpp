@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Findings of a check that are printed.
+/// Printed findings of a check.
 constexpr std::size_t kPrintedMax = 3;
 
 std::string decimal(double value) { return formatted("%.3f", value); }
@@ -69,7 +69,7 @@ Check contact_check(const char* name, const Program& program, const ContactRuns&
   return check;
 }
 
-// A rapid that leaves a surface may take a film of the tolerance of the cuts.
+// A rapid that leaves a surface may remove a film as thick as the tolerance of the cuts.
 Check rapid_check(const Scene& scene, const Program& program,
                   const std::vector<LineVolume>& lines) {
   Check check{"rapids through stock", 0, false, {}};

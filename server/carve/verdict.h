@@ -12,11 +12,11 @@
 
 namespace kerf {
 
-/// Something that makes a program fail its verification.
+/// A reason why a program fails its verification.
 struct Finding {
   std::string what;                  ///< with its amount: "0.500 mm too deep"
   std::string place;                 ///< "part.nc:12"; empty if no line is its cause
-  std::uint32_t file = 0, line = 0;  ///< of the place (ProgramMotion)
+  std::uint32_t file = 0, line = 0;  ///< of its position (ProgramMotion)
   ToolId tool = 0;                   ///< 0: none
   std::optional<Vec3> at_mm;
 };
@@ -25,7 +25,7 @@ struct Finding {
 struct Check {
   const char* name;
   std::size_t count = 0;       ///< of findings; 0: passed
-  bool of_shape = false;       ///< whether the part is wrong, not only how it was made
+  bool of_shape = false;       ///< whether the part is wrong, not only the process
   std::vector<Finding> worst;  ///< worst first; collisions and rapids in the order of the program
 };
 
@@ -42,15 +42,15 @@ struct Verdict {
   bool passes() const;
 };
 
-/// Findings of a check that a verdict lists.
+/// Listed findings of a check.
 inline constexpr std::size_t kFindingsMax = 50;
 
 /// `scene` and `simulation`: as carved; `fit` must be two-sided.
 Verdict make_verdict(const Scene& scene, const Simulation& simulation, const PartFit& fit,
                      std::string part, double tolerance_mm, double tool_change_s);
 
-/// Adds a warning if the rays are farther apart than the tolerance of the part, so that deviations
-/// of upright walls may fall between them.
+/// Adds a warning if the pitch exceeds the tolerance of the part, so that deviations of upright
+/// walls may fall between the rays.
 void warn_of_resolution(const Scene& scene, double tolerance_mm,
                         std::vector<std::string>& warnings);
 

@@ -17,7 +17,7 @@
 namespace kerf {
 namespace {
 
-// Nothing is loaded, and no script runs, whatever the texts of a program are.
+// The page loads nothing and runs no script, whatever the texts of a program are.
 constexpr const char* kHead = R"(<!DOCTYPE html>
 <html xmlns="http://www.w3.org/1999/xhtml" lang="en">
 <head>
@@ -45,7 +45,7 @@ svg { width: 100%; height: auto; }
 </style>
 )";
 
-/// Lines of a program that are quoted, and their greatest length.
+/// Quoted lines of a program, and their greatest length.
 constexpr std::size_t kPlacesMax = 10, kQuotedMax = 120;
 
 std::string base64(std::string_view bytes) {
@@ -104,7 +104,7 @@ std::string pictures_html(const VerifyPage& page) {
          formatted("%g mm</p>\n", kFullColorTolerances * tolerance);
 }
 
-// The lines of the program's own text that the findings name.
+// The lines of the program's own text named by the findings.
 std::map<std::uint32_t, std::string> quoted_lines(const VerifyPage& page) {
   std::set<std::uint32_t> wanted;
   for (const Check& check : page.verdict.checks)

@@ -13,7 +13,7 @@
 
 namespace kerf {
 
-/// What the page of a verification shows.
+/// Content of the page of a verification.
 struct VerifyPage {
   const Verdict& verdict;
   const Simulation& simulation;
@@ -23,9 +23,9 @@ struct VerifyPage {
   std::vector<FitPicture> pictures;
 };
 
-/// Returns the report of a verification as one HTML file, well-formed as XML too, that loads
-/// nothing: answer, checks, pictures, load along the program, the worst places with their lines,
-/// assumptions, settings and versions. Any text of a program or a file name is only text in it.
+/// Returns the report of a verification as one HTML file, also well-formed XML, that loads nothing:
+/// answer, checks, pictures, load along the program, the worst positions with their lines,
+/// assumptions, settings and versions. Texts of a program and file names are escaped.
 std::string verify_page(const VerifyPage& page);
 
 }  // namespace kerf

@@ -40,7 +40,7 @@ void AgentConversation::on_event(const SessionEvent& event) {
   }
   if (event.removed != 0 && (!self_ || event.removed != self_->id)) return;
   if (event.removed != 0 && self_ && !std::exchange(left_, true)) {
-    // The motion that is cut in part is completed without the peer, which may not read for long.
+    // The partly cut motion is completed without the peer, which may stop reading for long.
     batch_.reset();
     session().leave(self_->id);
   }
@@ -101,7 +101,7 @@ void AgentConversation::on_control(const ControlMessage& message) {
   if (!chosen) reject(chosen.error());
 }
 
-/// One at a time: each carves on a thread that all sessions share.
+/// One at a time, because each carves on a thread that all sessions share.
 void AgentConversation::change_stroke(bool undone) {
   using enum wire::ErrorCode;
   const auto refuse = [&](wire::ErrorCode code, const char* reason) {
@@ -136,7 +136,7 @@ void AgentConversation::on_message(const wire::Message& message, Clock::time_poi
     if (!self_) return reject_without_hello();
     const auto taken = session().ack_stock(self_->id, message.header.stamp.sequence);
     if (!taken) reject(taken.error());
-    stock_due_ = true;  // the frames in flight may have been as many as are allowed
+    stock_due_ = true;  // as many frames as allowed may have been in flight
     return;
   }
   reject_frame_type(message, "agents");
@@ -179,7 +179,7 @@ void AgentConversation::work() {
   if (!finishing() && !broken()) queue_answer_datagrams(*answer, done.arrived);
 }
 
-/// Once no tool is near any more, one empty frame says so.
+/// Once no tool is near any more, sends one empty frame.
 void AgentConversation::send_intents(Clock::time_point now) {
   if (!intents_due_ || now < next_intents_) return;
   intents_due_ = false;
@@ -192,14 +192,14 @@ void AgentConversation::send_intents(Clock::time_point now) {
 
 void AgentConversation::refresh() {
   if (self_ && !batch_ && !finishing() && !broken()) send_intents(now_());
-  // A copy of the whole block changes while its tool rests, too: its pings ask for it.
+  // A copy of the whole block changes even while its tool rests, so its pings request updates.
   const bool is_due = stock_due_ || has_whole_;
   if (!self_ || batch_ || !is_due || finishing() || broken() || out_.has_stock()) return;
   const auto now = now_();
   if (now < next_stock_) return;
   next_stock_ = now + kStockInterval;
   const auto update = session().stock_update(self_->id);
-  stock_due_ = update.has_value();  // it may lack more than one frame holds
+  stock_due_ = update.has_value();  // one frame may not hold all of it
   if (update) out_.put_stock(stamp(update->sequence), update->patch());
 }
 
@@ -216,13 +216,13 @@ void AgentConversation::receive_datagram(std::span<const std::byte> frame,
     queue_datagram(++pongs_, wire::Pong{ping->time_us, to_us(now_()), durable_sequence()});
   } else if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body);
              batch != nullptr && is_of_this_epoch(*message)) {
-    // The agent repeats what is not answered.
+    // The agent repeats unanswered batches.
     if (!batch_) on_datagram_motion(*batch, arrived);
   }
 }
 
-/// Samples behind a gap are not applied. The previous answer is repeated instead, so that the agent
-/// knows from where on to send again.
+/// Samples after a gap are not applied. The previous answer is repeated instead, so that the agent
+/// knows where to resume.
 void AgentConversation::on_datagram_motion(const wire::MotionBatch& batch,
                                            Clock::time_point arrived) {
   const Arrival arrival = gate_.judge(batch);

@@ -21,19 +21,18 @@ struct OutDatagram {
   std::span<const std::byte> frame() const { return std::span(bytes).first(size); }
 };
 
-/// The server's side of one agent's protocol, over its WebSocket and, if the agent has asked for
-/// it, over UDP. Belongs to the session's executor: motions are cut and answered inside receive()
-/// and receive_datagram().
+/// The server's side of one agent's protocol, over its WebSocket and, on request, over UDP. Belongs
+/// to the session's executor: motions are cut and answered inside receive() and receive_datagram().
 class AgentConversation final : public Conversation {
  public:
-  /// The replica of the block that an agent keeps is updated at most this often.
+  /// Minimum interval between updates of an agent's replica.
   static constexpr std::chrono::milliseconds kStockInterval{20};
 
-  /// The tools near the agent's are sent at most this often.
+  /// Minimum interval between intent frames.
   static constexpr std::chrono::milliseconds kIntentInterval{10};
 
-  /// Changes of the tool, and separately of the reach, are reported to every participant: at most
-  /// this many per second, after as many at once as the burst.
+  /// Limits changes of the tool and, separately, of the reach, because every participant is
+  /// notified: rate per second and burst.
   static constexpr double kChangesPerS = 10;
   static constexpr double kChangesBurst = 30;
 
@@ -42,9 +41,9 @@ class AgentConversation final : public Conversation {
     const SessionLimits& limits;  ///< for the welcome
     Metrics& metrics;
     Now now = Clock::now;
-    /// Called when frames are queued that no received frame has caused.
+    /// Called when frames are queued that are not caused by a received frame.
     std::function<void()> wake;
-    /// Opens a UDP connection for this agent; nothing if none is available.
+    /// Opens a UDP connection for this agent; nullopt if none is available.
     std::function<std::optional<datagram::Offer>()> open_udp;
     Caller caller = Caller::local();
   };
@@ -52,18 +51,18 @@ class AgentConversation final : public Conversation {
   explicit AgentConversation(Setup setup);
   ~AgentConversation() override;
 
-  /// Handles one frame that has come over the UDP connection. Call refresh() afterwards.
+  /// Handles one frame received over the UDP connection. Call refresh() afterwards.
   void receive_datagram(std::span<const std::byte> frame, Clock::time_point arrived);
   /// The next datagram to send, valid until the next call of a receive function or of work(); null
-  /// if there is none.
+  /// without one.
   const OutDatagram* take_datagram();
 
   void refresh() override;
-  /// A batch is more work than one turn of the executor: no frame may be passed on before work()
-  /// has completed it.
+  /// A batch is longer than one turn of the executor: no frame may be passed on before work() has
+  /// completed it.
   bool has_action() const override { return batch_.has_value(); }
-  /// Works on the batch for one turn. Once it is complete, queues the answer as a frame, or as
-  /// datagrams if the batch came over UDP.
+  /// Works on the batch for one turn. On completion queues the answer as a frame, or as datagrams
+  /// if the batch came over UDP.
   void work();
   /// Whether another agent of the session is moving.
   bool has_rival() const { return self_ && session().has_other_agent(self_->id); }
@@ -72,7 +71,7 @@ class AgentConversation final : public Conversation {
   void end() override;
 
  private:
-  /// A batch that goes on in later turns.
+  /// A batch that continues in later turns.
   struct InProgress {
     Clock::time_point arrived;
     bool over_udp;
@@ -90,9 +89,9 @@ class AgentConversation final : public Conversation {
   void change_stroke(bool undone);
   void send_intents(Clock::time_point now);
   void on_event(const SessionEvent& event);
-  /// What results and pongs state; 0 unless the agent has asked for it.
+  /// The durable sequence for results and pongs; 0 unless the agent has requested it.
   std::uint64_t durable_sequence() const;
-  /// The answer, unless the batch goes on in later turns.
+  /// Returns the answer, unless the batch continues in later turns.
   std::optional<MotionAnswer> apply(const wire::MotionBatch& batch, const InProgress& from);
   void complete(MotionAnswer& answer, Clock::time_point arrived);
   void queue_answer(const MotionAnswer& answer, Clock::time_point arrived);
@@ -116,7 +115,7 @@ class AgentConversation final : public Conversation {
   /// Whether a stroke is being undone or redone; expires with the conversation.
   std::shared_ptr<bool> changes_ = std::make_shared<bool>(false);
 
-  bool stock_due_ = false;  ///< the replica may lack something
+  bool stock_due_ = false;  ///< the replica may be incomplete
   bool has_whole_ = false;  ///< the replica is of the whole block
   Clock::time_point next_stock_;
   bool intents_due_ = false;  ///< samples have been applied since the last ones
@@ -128,7 +127,8 @@ class AgentConversation final : public Conversation {
   bool has_udp_ = false;
   SampleGate gate_;
   wire::Result last_answer_;
-  std::array<OutDatagram, 2> datagrams_;  ///< an answer has at most two: force of another, result
+  std::array<OutDatagram, 2>
+      datagrams_;  ///< an answer has at most two: the force of another participant, and the result
   std::size_t datagrams_queued_ = 0, datagrams_taken_ = 0;
 };
 

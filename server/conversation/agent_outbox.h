@@ -12,11 +12,10 @@
 
 namespace kerf::net {
 
-/// Frames that wait to leave for one agent over its WebSocket, in order of priority: the result,
-/// the tools near the agent's, the force of the participant that it feels (`feel_of`), control
-/// messages, the list of
-/// participants, stock. A newer result, force or list replaces one that has not left, because only
-/// the newest is of use. Buffers are reused.
+/// Outgoing frames for one agent over its WebSocket, in order of priority: the result, the tools
+/// near the agent's, the force of the participant that it feels (`feel_of`), control messages, the
+/// list of participants, stock. A newer result, force or list replaces one that has not left,
+/// because only the newest is of use. Buffers are reused.
 class AgentOutbox {
  public:
   void put_result(const wire::FrameStamp& stamp, const wire::Result& result,
@@ -33,9 +32,9 @@ class AgentOutbox {
   /// Whether a stock frame waits to leave.
   bool has_stock() const { return stock_.has_value(); }
 
-  /// Discards everything but the control messages and ignores what is put in afterwards.
+  /// Discards everything except control messages, and ignores later additions.
   void close();
-  /// Takes the next frame to send, with its bytes; returns false if there is none.
+  /// Moves the next frame into `out`, with its bytes. Returns false if the outbox is empty.
   bool take(OutFrame& out);
 
  private:

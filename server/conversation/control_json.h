@@ -20,21 +20,21 @@ struct HelloMessage {
   std::string name, color;
   ToolId tool = 0;  ///< 0: the first tool of the scene
   bool feel = true;
-  ParticipantId feel_of = 0;  ///< participant whose force is sent too; 0: none
+  ParticipantId feel_of = 0;  ///< participant whose force is sent too; 0: nobody
   bool udp = false;           ///< requests a UDP connection
   bool stock = false;         ///< requests stock frames
   bool whole = false;         ///< agent: wants stock frames of the whole block
-  bool returned = false;      ///< agent: takes stock frames with tiles that begin again
+  bool returned = false;      ///< agent: understands stock frames with tiles that start over
   bool intent = false;        ///< requests intent frames
   bool changes = false;       ///< viewer: understands participants_changed
   bool repeat = false;        ///< viewer: understands nodes for several tiles
   bool verify = false;        ///< viewer: verifies mesh frames, and understands those nodes
-  bool look_follows = false;  ///< viewer: sends a look at once, which the first snapshot awaits
-  std::optional<ViewerLook> look;  ///< viewer: where it looks from, if it knows
-  std::uint32_t budget = 0;        ///< viewer: bytes of mesh frames per second; 0: any
-  bool reach = false;              ///< agent: may state where its device reaches
-  bool durable = false;            ///< agent: keeps what is not durable and sends it again
-  std::string resume;              ///< agent: token of the participant that it continues as
+  bool look_follows = false;  ///< viewer: sends a look at once, for which the first snapshot waits
+  std::optional<ViewerLook> look;  ///< viewer: its viewpoint, if known
+  std::uint32_t budget = 0;        ///< viewer: bytes of mesh frames per second; 0: unlimited
+  bool reach = false;              ///< agent: may state the reach of its device
+  bool durable = false;  ///< agent: keeps samples until they are durable, and resends them
+  std::string resume;    ///< agent: token of the participant to resume
 };
 struct ToolMessage {
   ToolId tool = 0;
@@ -42,63 +42,63 @@ struct ToolMessage {
 /// Finite; the eye at most 1000 m away, the angle from 0 to 1.
 struct LookMessage {
   ViewerLook look;
-  std::optional<std::uint32_t> budget;  ///< as in the hello; nothing: as before
+  std::optional<std::uint32_t> budget;  ///< as in the hello; nullopt: unchanged
 };
-/// Requests the block as it was after a record, and on from there.
+/// Requests the block as it was after a record, and playback from there.
 struct SeekMessage {
   bool is_live = false;                 ///< the present instead
-  std::optional<std::uint64_t> record;  ///< nothing: where the viewer is
-  double rate = 0;                      ///< of the journal's time; 0: it rests
+  std::optional<std::uint64_t> record;  ///< nullopt: the current record
+  double rate = 0;                      ///< relative to the journal's time; 0: no playback
 };
 /// The camera of a viewer: coordinates of at most 1000 m.
 struct ViewerCamera {
   Vec3 eye_mm, target_mm;
   bool is_parallel = false;
 };
-/// Shows the camera to the other viewers; nothing: no longer.
+/// Shows the camera to the other viewers; nullopt hides it.
 struct CameraMessage {
   std::optional<ViewerCamera> camera;
 };
-/// A camera that a viewer shows.
+/// A camera shown by a viewer.
 struct ShownCamera {
   ParticipantId participant = 0;
   std::string name, color;  ///< of the participant
   ViewerCamera camera;
 };
-/// Where a viewer is that looks at the past.
+/// The record that a viewer of the past is showing.
 struct PastPlace {
   std::uint64_t record = 0;
   std::int64_t time_ms = 0;  ///< when it was appended, ms since 1970; 0: unknown
-  double rate = 0;           ///< with which it plays; 0: it rests
+  double rate = 0;           ///< playback rate; 0: no playback
   friend bool operator==(const PastPlace&, const PastPlace&) = default;
 };
-/// States where the agent's device reaches: coordinates of at most 1000 m; nothing: no longer.
+/// States the reach of the agent's device: coordinates of at most 1000 m; nullopt: unknown.
 struct ReachMessage {
   std::optional<DeviceReach> reach;
 };
 /// Requests that stock frames start again with an empty replica.
 struct StockMessage {};
-/// Undoes the newest stroke of the agent, or redoes the one that was undone last.
+/// Undoes the newest stroke of the agent, or redoes the one undone last.
 struct ChangeMessage {
   bool undone = true;
 };
 using ControlMessage = std::variant<HelloMessage, ToolMessage, LookMessage, SeekMessage,
                                     CameraMessage, StockMessage, ChangeMessage, ReachMessage>;
-/// Rates of a seek but 0.
+/// Range of a seek's rate, except 0.
 inline constexpr double kRateMin = 0.25, kRateMax = 64;
-/// Budgets of a viewer but 0, bytes per second.
+/// Range of a viewer's budget, except 0, bytes per second.
 inline constexpr std::uint32_t kBudgetMin = 25'000, kBudgetMax = 1'000'000'000;
 
 /// Parses one text frame. Unknown fields are ignored. Errors are bad_json (not a JSON object) and
 /// bad_message (names the field).
 std::expected<ControlMessage, Rejection> parse_control(std::string_view text);
 
-/// `reach`: the agent may state where its device reaches.
+/// `reach`: the agent may state the reach of its device.
 std::string agent_welcome(const Session& session, const Admission& admission,
                           const SessionLimits& limits, const datagram::Offer* udp = nullptr,
                           bool reach = false);
-/// `budget`: bytes of mesh frames per second; 0: any. `meshes`: to a viewer that verifies, the
-/// sequence of the last mesh frame before.
+/// `budget`: bytes of mesh frames per second; 0: unlimited. `meshes`: for a viewer that verifies,
+/// the sequence of the last mesh frame before.
 std::string viewer_welcome(const Session& session, const Participant& self, const Roster& roster,
                            std::uint32_t budget, std::optional<std::uint64_t> meshes);
 /// The complete list, for viewers.
@@ -109,12 +109,12 @@ std::string change_message(const RosterChange& change);
 std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
                           bool settled, std::string_view paused,
                           const std::optional<PastPlace>& past = std::nullopt);
-/// The programs of a session, for viewers: each message replaces the one before.
+/// The programs of a session, for viewers. Replaces the previous message.
 std::string programs_message(const std::vector<ProgramGlance>& programs);
-/// The cameras that viewers show: each message replaces the one before.
+/// The cameras that viewers show. Replaces the previous message.
 std::string cameras_message(const std::vector<ShownCamera>& cameras);
 std::string error_message(const Rejection& rejection, bool fatal);
-/// What has come of a ChangeMessage.
+/// The result of a ChangeMessage.
 std::string stroke_message(bool undone, const std::expected<StrokesChanged, Rejection>& changed);
 std::string bye_message(std::string_view reason, std::string_view redirect = {});
 

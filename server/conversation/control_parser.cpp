@@ -11,9 +11,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Of the coordinates of eyes, targets and reaches, and of half the edge of a reach.
+/// Limit of the coordinates of eyes, targets and reaches, and of half the edge of a reach.
 constexpr double kCoordinateMaxMm = 1e6;
-/// Of a rotation vector: more than a turn.
+/// Limit of a rotation vector: more than a turn.
 constexpr double kTurnMaxRad = 7;
 constexpr double kScaleMax = 1e6;
 constexpr const char* kMustBeBool = "must be true or false";
@@ -100,7 +100,7 @@ std::expected<void, Rejection> read_look(const Json& object, HelloMessage& hello
   return {};
 }
 
-/// Reads the budget of a viewer; nothing if it is not stated.
+/// Reads the budget of a viewer; nullopt if it is not stated.
 std::expected<std::optional<std::uint32_t>, Rejection> budget_of(const Json& object) {
   const auto found = object.find("budget");
   if (found == object.end()) return std::nullopt;

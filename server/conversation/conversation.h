@@ -47,29 +47,29 @@ class Conversation {
   Conversation& operator=(const Conversation&) = delete;
   virtual ~Conversation() = default;
 
-  /// Handles one WebSocket frame. `arrived` is when it was read. Ignored when finishing or broken.
+  /// Handles one WebSocket frame, read at `arrived`. Ignored when finishing or broken.
   void receive(std::span<const std::byte> frame, bool is_text, Clock::time_point arrived);
-  /// Rejects the peer that has not sent its hello in time.
+  /// Rejects a peer that has not sent its hello in time.
   void hello_expired();
-  /// The grant by which the peer is here has ended.
+  /// The peer's grant has expired.
   void grant_expired();
-  /// Queues what can wait until the answers to a received frame have left.
+  /// Queues frames that can wait until the answers to a received frame have left.
   virtual void refresh() {}
-  /// There is something for the owner to do before it passes on the next frame.
+  /// Whether the owner has to act before it passes on the next frame.
   virtual bool has_action() const { return false; }
 
-  /// Moves the next frame to send into `out`, reusing its memory; returns false if there is none.
+  /// Moves the next frame to send into `out`, reusing its memory. Returns false if there is none.
   virtual bool take(OutFrame& out) = 0;
-  /// Another frame waits to leave at once: the network may carry both together.
+  /// Whether another frame is ready to leave at once, so that the network may carry both together.
   virtual bool has_more() const { return false; }
   /// `frame`, the last one taken, has been handed to the operating system.
   virtual void sent(const OutFrame&) {}
 
-  /// The peer's hello has been accepted: it is a participant.
+  /// Whether the peer's hello has been accepted, so that it is a participant.
   bool has_joined() const { return self_.has_value(); }
-  /// The conversation is over: the frames that are left are sent, then the WebSocket is closed.
+  /// Whether the conversation is over: the remaining frames are sent, then the WebSocket is closed.
   bool finishing() const { return finishing_; }
-  /// The peer does not read: the connection is of no use.
+  /// Whether the peer does not read, so that the connection should be dropped.
   bool broken() const { return broken_; }
   /// The connection is gone.
   virtual void end() = 0;
@@ -79,14 +79,14 @@ class Conversation {
                std::function<void()> wake, Caller caller);
 
   virtual void on_hello(const HelloMessage& hello) = 0;
-  /// The join of a peer of this name and color, with the rights that its token gives it.
+  /// The join request of a peer with this name and color, and the rights of its token.
   JoinRequest join_request(ParticipantKind kind, const HelloMessage& hello) const;
-  /// Rejects a hello. The peer may try another one unless it has to come back later, or may not
-  /// come at all.
+  /// Rejects a hello. The peer may try again unless it has to come back later, or may not join at
+  /// all.
   void reject_hello(const Rejection& rejection);
-  /// Any other control message, after the hello.
+  /// Handles any other control message, after the hello.
   virtual void on_control(const ControlMessage& message) = 0;
-  /// A well-formed binary message other than ping, pong and unknown types.
+  /// Handles a well-formed binary message other than ping, pong and unknown types.
   virtual void on_message(const wire::Message& message, Clock::time_point arrived) = 0;
   virtual bool queue_text(std::string_view text) = 0;
   virtual void queue_pong(const wire::FrameStamp& stamp, const wire::Pong& pong) = 0;
@@ -95,8 +95,8 @@ class Conversation {
 
   void reject(const Rejection& rejection, bool fatal = false);
   void reject_without_hello();
-  /// Rejects a frame of another epoch: it was made for the session before it was reopened, with
-  /// other sequences and perhaps another block.
+  /// Rejects a frame of another epoch. It refers to the session before it was reopened, with other
+  /// sequences and possibly another block.
   bool is_of_this_epoch(const wire::Message& message);
   void reject_frame_type(const wire::Message& message, std::string_view kind);
   void say(std::string_view text);
@@ -112,7 +112,7 @@ class Conversation {
   Metrics& metrics_;
   Now now_;
   std::optional<Participant> self_;
-  bool hello_waits_ = false;  ///< the answer to a hello that was accepted is to come
+  bool hello_waits_ = false;  ///< the answer to an accepted hello is pending
   std::uint64_t pongs_ = 0;
 
  private:

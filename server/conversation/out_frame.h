@@ -13,7 +13,7 @@
 
 namespace kerf::net {
 
-/// A message that several peers share.
+/// A message shared by several peers.
 using SharedBytes = std::shared_ptr<const std::vector<std::byte>>;
 
 /// One WebSocket frame to send to a peer: `bytes`, followed by `shared` if it is set.
@@ -44,10 +44,10 @@ struct OutFrame {
   }
 };
 
-/// A text that several peers share.
+/// A text shared by several peers.
 using SharedText = std::shared_ptr<const std::string>;
 
-/// Moves `text`, a message that newer ones replace, into `out`; returns false if it is empty.
+/// Moves `text`, a message that newer ones replace, into `out`. Returns false if it is empty.
 inline bool take_text(std::string& text, OutFrame::Kind kind, OutFrame& out) {
   if (text.empty()) return false;
   const auto bytes = std::as_bytes(std::span(text));

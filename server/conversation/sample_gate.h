@@ -18,7 +18,7 @@ class SampleGate {
   void applied(std::uint64_t agent_sequence) noexcept { last_ = agent_sequence; }
 
   /// Returns kGap for every batch until a sample has come over the WebSocket: an agent that
-  /// connects again numbers its samples from 1, and only the WebSocket keeps their order.
+  /// reconnects numbers its samples from 1, and only the WebSocket keeps their order.
   Arrival judge(const wire::MotionBatch& batch) const noexcept {
     if (batch.count == 0 || last_ == 0) return Arrival::kGap;
     const auto samples = batch.view();

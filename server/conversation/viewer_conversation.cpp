@@ -62,7 +62,7 @@ void ViewerConversation::on_control(const ControlMessage& message) {
     if (!seeks_.allow(now_())) {
       return reject({wire::ErrorCode::kTooFast, "'seek' is limited to 20 per second"});
     }
-    sent_state_.reset();  // the answer, also if nothing changes
+    sent_state_.reset();  // answers even if nothing changes
     actions_.emplace_back(*seek);
     return;
   }
@@ -134,7 +134,7 @@ void ViewerConversation::send_state(const SurfaceState& state) {
 }
 
 void ViewerConversation::send_participants(const SharedText& all, const SharedText& change) {
-  // A change is of use only to a viewer that gets every one. The list replaces changes that a slow
+  // A change is useful only to a viewer that gets every one. The list replaces changes that a slow
   // viewer has not read yet.
   const bool in_step = takes_changes_ && has_participants_ && !out_.has_participants();
   has_participants_ = true;

@@ -22,7 +22,7 @@ struct SurfaceState {
   double removed_mm3 = 0;
   std::uint64_t hash = 0;
   bool settled = false;     ///< every mesh frame of the state with this hash has been sent
-  std::string paused = {};  ///< SessionFrame::paused: nothing is carved
+  std::string paused = {};  ///< SessionFrame::paused: no motion is carved
   std::optional<PastPlace> past = std::nullopt;  ///< of a viewer that looks at the past
 };
 
@@ -31,66 +31,67 @@ struct MeshAck {
   std::uint64_t sequence = 0;
 };
 
-/// The viewer's budget has changed: bytes of mesh frames per second; 0: any.
+/// The viewer's budget has changed: bytes of mesh frames per second; 0: unlimited.
 struct ViewerBudget {
   std::uint32_t bytes_per_s = 0;
 };
 
-/// How a viewer's first snapshot starts: from its first look if that is known or follows at once,
-/// otherwise with exact tiles. Tiles that were sent before a look would be sent twice.
+/// Start of a viewer's first snapshot: at its first look if that is known or follows at once,
+/// otherwise with exact tiles. Tiles sent before a look would be sent twice.
 struct FirstLook {
   bool follows = false;
   std::optional<ViewerLook> look;
-  TileNodes nodes = TileNodes::kSingle;  ///< what the viewer understands
+  TileNodes nodes = TileNodes::kSingle;  ///< node types that the viewer understands
 };
 
-/// What a viewer's owner must do elsewhere: join the session on the session's executor and pass the
-/// result to joined(), forward a view, a budget or an ack to the TileFeed, seek, show its camera.
+/// A task for the owner of a viewer's conversation: join the session on the session's executor and
+/// pass the result to joined(), forward a view, a budget or an ack to the TileFeed, seek, or show
+/// its camera.
 using ViewerAction =
     std::variant<JoinRequest, ViewerLook, ViewerBudget, MeshAck, SeekMessage, CameraMessage>;
 
-/// The server's side of one viewer's protocol. It lives on the viewers' thread, not on the
+/// The server's side of one viewer's protocol. It belongs to the viewers' thread, not to the
 /// session's executor, so a hello becomes an action and the answer waits for joined().
 class ViewerConversation final : public Conversation {
  public:
-  /// A look message may make the server mesh the block again; a viewer sends one when its camera
-  /// has come to rest.
+  /// A look message may cause the server to mesh the block again. Viewers send one when their
+  /// camera comes to rest.
   static constexpr double kLooksPerS = 5;
   static constexpr double kLooksBurst = 20;
-  /// A seek ends the one before it; a page that scrubs sends what its screen shows.
+  /// A seek cancels the previous one. A page that scrubs sends one per displayed frame.
   static constexpr double kSeeksPerS = 20;
   static constexpr double kSeeksBurst = 40;
-  /// Where the camera of a viewer is who shows it to others.
+  /// Limits of a viewer's camera messages.
   static constexpr double kCamerasPerS = 20;
   static constexpr double kCamerasBurst = 40;
-  /// The state message is sent at most this often, except when it says that the surface has
-  /// settled.
+  /// Minimum interval of state messages, except when the surface has settled.
   static constexpr std::chrono::milliseconds kStateInterval{250};
 
-  /// `budget_max`: of the budgets of all viewers, bytes of mesh frames per second; 0: none.
+  /// `budget_max`: upper limit of every viewer's budget, bytes of mesh frames per second; 0:
+  /// unlimited.
   ViewerConversation(std::shared_ptr<Session> session, Metrics& metrics, Now now,
                      std::function<void()> wake, Caller caller = Caller::local(),
                      std::uint32_t budget_max = 0);
 
-  /// The next action, in the order of the frames that caused them; nothing if there is none. Until
-  /// the result of a JoinRequest is known, no further frame may be passed to receive().
+  /// The next action, in the order of the frames that caused them, or nullopt. Until the result of
+  /// a JoinRequest is known, no further frame may be passed to receive().
   std::optional<ViewerAction> take_action();
   bool has_action() const override { return !actions_.empty(); }
   /// The result of a JoinRequest, with the participants of the session at that moment.
   void joined(const std::expected<Participant, Rejection>& self, const Roster& roster);
   /// 0 before the viewer has joined.
   ParticipantId id() const { return self_ ? self_->id : 0; }
-  /// Once the viewer has joined.
+  /// Valid once the viewer has joined.
   const Participant& self() const { return *self_; }
-  /// As the hello states it.
+  /// As stated in the hello.
   const FirstLook& first_look() const { return first_look_; }
-  /// Bytes of mesh frames per second that the viewer may be sent: what it has stated, and at most
-  /// what all may have; 0: any.
+  /// Bytes of mesh frames per second that the viewer may be sent: its own budget, limited by the
+  /// common maximum; 0: unlimited.
   std::uint32_t budget() const { return budget_; }
 
-  /// From now on the viewer is sent the surface of another block, that of the past or that of the
-  /// present: tiles and frames of the last one are dropped, and a welcome makes the viewer begin
-  /// again. The frames of the new one count from 1 in send_mesh() and MeshAck.
+  /// From now on the viewer is sent the surface of another block, past or present. Tiles and frames
+  /// of the previous block are dropped, and a welcome makes the viewer start over. The frames of
+  /// the new one count from 1 in send_mesh() and MeshAck.
   void begin_again(const Roster& roster);
 
   void send_tools(SharedBytes frame);  ///< replaces one that has not left
@@ -98,19 +99,19 @@ class ViewerConversation final : public Conversation {
   void send_mesh(FeedFrame frame, SharedBytes tools = nullptr);
   void send_state(const SurfaceState& state);  ///< leaves after the mesh frames before it
   /// The participants have changed. `all` is the complete list, `change` the difference to the list
-  /// of the previous call for any viewer of the session; it suffices if the viewer understands it
-  /// and has been sent that list.
+  /// of the previous call for any viewer of the session, which suffices if the viewer understands
+  /// it and has been sent that list.
   void send_participants(const SharedText& all, const SharedText& change);
   void send_programs(SharedText programs);                ///< replaces a message that has not left
   void send_matter(std::size_t matter, SharedText text);  ///< likewise, by matter
   void send_cameras(SharedText cameras);                  ///< likewise
   /// The viewer has acknowledged a frame that was never sent.
   void reject_ack();
-  /// The viewer cannot be where it has asked to be, or not show its camera.
+  /// Rejects a seek, or a camera, of the viewer.
   void reject_request(const Rejection& rejection);
   /// An owner has removed the viewer.
   void remove(const std::string& reason);
-  /// The session ends, and goes on at the server `redirect` unless that is empty: sends bye and
+  /// The session ends, and continues at the server `redirect` unless that is empty: sends bye and
   /// finishes.
   void close(const std::string& reason, const std::string& redirect = {});
 
@@ -139,7 +140,7 @@ class ViewerConversation final : public Conversation {
   std::uint32_t budget_;
   bool takes_changes_ = false;     ///< understands participants_changed
   bool has_participants_ = false;  ///< a list or a change has been sent since the welcome
-  /// Mesh frames of the blocks before the present one, and all; a viewer sees one numbering.
+  /// Mesh frames of the previous blocks, and of all blocks. A viewer sees one numbering.
   std::uint64_t meshes_before_ = 0, meshes_ = 0;
   std::optional<SurfaceState> sent_state_;
   Clock::time_point state_sent_at_;

@@ -6,7 +6,7 @@
 namespace kerf::net {
 namespace {
 
-/// Moves `text` into `out`; returns false if it is null.
+/// Moves `text` into `out`. Returns false if it is null.
 bool take_shared(SharedText& text, OutFrame::Kind kind, OutFrame& out) {
   if (!text) return false;
   const auto bytes = std::as_bytes(std::span(*text));

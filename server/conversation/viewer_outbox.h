@@ -10,10 +10,10 @@
 
 namespace kerf::net {
 
-/// Frames that wait to leave for one viewer, in order of priority: control messages, tool poses,
-/// the participants, the programs, the matters, the cameras, mesh frames, the state message. Newer
-/// ones of each but control messages and mesh frames replace older ones that have not left; mesh
-/// frames keep their order (TileFeed bounds their number).
+/// Outgoing frames for one viewer, in order of priority: control messages, tool poses, the
+/// participants, the programs, the matters, the cameras, mesh frames, the state message. Except for
+/// control messages and mesh frames, newer ones replace older ones that have not left. Mesh frames
+/// keep their order (TileFeed bounds their number).
 class ViewerOutbox {
  public:
   /// Returns false if the viewer reads so little that the control queue is full.
@@ -37,15 +37,15 @@ class ViewerOutbox {
   void put_cameras(SharedText text) {
     if (!closed_) cameras_ = std::move(text);
   }
-  /// Whether a message on the participants waits to leave.
+  /// Whether a message about the participants is queued.
   bool has_participants() const { return participants_ != nullptr; }
-  /// Whether a mesh frame waits to leave.
+  /// Whether a mesh frame is queued.
   bool has_mesh() const { return !mesh_.empty(); }
-  /// `is_summed`: it leaves with its checksum.
+  /// `is_summed`: send it with its checksum.
   void put_mesh(FeedFrame frame, bool is_summed = false) {
     if (!closed_) mesh_.push_back({std::move(frame), is_summed});
   }
-  /// The sequence of the last mesh frame that has left; 0: none.
+  /// The sequence of the last mesh frame that has left; 0 before the first.
   std::uint64_t mesh_sent() const { return mesh_sent_; }
   void put_state(std::string text) {
     if (!closed_) state_ = std::move(text);
@@ -53,10 +53,10 @@ class ViewerOutbox {
 
   /// Discards the tiles, the tools and the state.
   void drop_surface();
-  /// Discards everything but the control messages and ignores what is put in afterwards.
+  /// Discards everything except control messages, and ignores later additions.
   void close();
-  /// Takes the next frame to send; returns false if there is none. `stamp` supplies epoch and time
-  /// of a mesh frame, whose header is written when it leaves.
+  /// Moves the next frame to send into `out`. Returns false if there is none. `stamp` supplies
+  /// epoch and time of a mesh frame, whose header is written when it leaves.
   bool take(const wire::FrameStamp& stamp, OutFrame& out);
 
  private:

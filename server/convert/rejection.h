@@ -9,7 +9,7 @@
 
 namespace kerf {
 
-/// The error of a request of a peer. It is sent to that peer only; the request had no effect.
+/// The error of a peer's request. It is sent to that peer only, and the request had no effect.
 struct Rejection {
   wire::ErrorCode code = wire::ErrorCode::kBadMessage;
   std::string reason;  ///< one sentence

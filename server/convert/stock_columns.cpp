@@ -105,8 +105,8 @@ class NumberReader {
   bool truncated_ = false;
 };
 
-/// Reads the elements of one column into `column`; `last` is the last column stated. False if it is
-/// malformed.
+/// Reads the elements of one column into `column`; `last` is the last column stated. Returns false
+/// if it is malformed.
 bool read_column(NumberReader& from, std::uint64_t elements, std::span<const Dexel> last,
                  std::vector<Dexel>& column) {
   column.clear();

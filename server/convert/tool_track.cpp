@@ -13,7 +13,7 @@ constexpr double kSecondsPerMicrosecond = 1e-6;
 
 bool has_obstacles(const Sculpture& sculpture) { return !sculpture.settings().obstacles.empty(); }
 
-/// Whether something may touch a tool that cuts: obstacles, or stock its shank and holder.
+/// Whether obstacles may touch a cutting tool, or stock its shank and holder.
 bool has_contact(const Sculpture& sculpture, ToolId tool) {
   return has_obstacles(sculpture) || !sculpture.tool(tool)->non_cutting.empty();
 }

@@ -29,26 +29,26 @@ class ToolTrack {
     ToolPose pose;
     double duration_s = 0;
   };
-  /// The tool rests while it cuts, where no obstacle can touch it, and it has come there by a
-  /// motion. Otherwise the rest is a motion, which takes what is inside the tool.
+  /// The tool rests while it cuts, out of reach of obstacles, after it has come there by a motion.
+  /// Any other rest is a motion, which removes the material inside the tool.
   struct Rest {
     ToolId tool = 0;
     ToolPose pose;
     double duration_s = 0;
   };
-  /// std::monostate: no motion, because the tool was just placed.
+  /// std::monostate without a motion, because the tool was just placed.
   using Step = std::variant<std::monostate, Touch, Rest, MoveTool>;
 
   /// Converts the next sample to a step. Rejects invalid poses, unknown tools, timestamps that do
   /// not advance, and a tip faster than `speed_max_mm_per_s` while cutting. If pose and tool are
-  /// valid, the tool is at that pose afterwards even if the motion is rejected.
+  /// valid, the tool moves to that pose even if the motion is rejected.
   std::expected<Step, Rejection> take(const wire::MotionSample& sample, const Sculpture& sculpture,
                                       double speed_max_mm_per_s);
-  /// Returns whether `take` would return a motion for this sample, if that is valid.
+  /// Returns whether `take` would return a motion for this sample, if it is valid.
   bool would_move(const wire::MotionSample& sample) const;
   /// Drops the last pose; the next sample places the tool without a motion.
   void lift() { pose_.reset(); }
-  /// Sets the pose without a sample, as one that a motion of the tool has reached.
+  /// Sets the pose without a sample, as if a motion of the tool had reached it.
   void place(const ToolPose& pose) {
     pose_ = pose;
     has_cut_here_ = true;

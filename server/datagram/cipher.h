@@ -47,7 +47,7 @@ class Opener {
   Opener(std::uint32_t connection, const Key& key);
 
   /// Writes the decrypted frame to the start of `frame` (at least kMaxFrameBytes). A fault changes
-  /// nothing but the contents of `frame`.
+  /// only the contents of `frame`.
   std::expected<Opened, Fault> open(std::span<const std::byte> datagram,
                                     std::span<std::byte> frame) noexcept;
 

@@ -13,7 +13,7 @@ namespace {
 Format chosen = Format::kText;
 
 void write(spdlog::level::level_enum level, std::string_view text) {
-  // spdlog formats no text that is given as such: braces in it are harmless.
+  // spdlog does not format a plain text argument, so braces in it are harmless.
   if (chosen == Format::kText) return spdlog::log(level, text);
   spdlog::log(level, std::string_view(escaped(text)));
 }

@@ -19,7 +19,7 @@ void info(std::string_view text);
 void warn(std::string_view text);
 void error(std::string_view text);
 
-/// Returns `text` as the inside of a JSON string. Bytes that are not ASCII stay as they are.
+/// Returns `text` as the inside of a JSON string. Non-ASCII bytes are unchanged.
 std::string escaped(std::string_view text);
 
 }  // namespace kerf::log

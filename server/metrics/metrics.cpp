@@ -70,7 +70,7 @@ struct Metrics::Impl {
 
 namespace {
 
-/// Adds how long the certificate is valid yet, if there is one.
+/// Adds the remaining validity of the certificate, if there is one.
 void add_certificate(prometheus::Registry& now, const Metrics& metrics) {
   const std::int64_t expires_s = metrics.certificate_expires_s;
   if (expires_s == 0) return;
@@ -95,8 +95,8 @@ void add_damaged(prometheus::Registry& now, const std::vector<std::shared_ptr<Se
       .Set(static_cast<double>(damaged));
 }
 
-/// Adds what belongs to a session. It is rebuilt on every scrape, so that a closed session leaves
-/// no line.
+/// Adds the gauges of sessions. They are rebuilt on every scrape, so a closed session leaves no
+/// line.
 void add_gauges(prometheus::Registry& now, const Metrics& metrics,
                 const SessionRegistry& registry) {
   const auto family = [&](const char* name, const char* help) -> auto& {

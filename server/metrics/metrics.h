@@ -11,7 +11,7 @@
 
 namespace kerf::net {
 
-/// Why a datagram was dropped; in the order of kDropNames in the .cpp.
+/// The reason why a datagram was dropped, in the order of kDropNames in the .cpp.
 enum class DatagramDrop : std::uint8_t {
   kMalformed,
   kUnknownConnection,
@@ -38,16 +38,16 @@ class Metrics {
   void datagram_received();
   void datagram_sent();
   void datagram_dropped(DatagramDrop why);
-  /// A batch over UDP left a gap: it was not applied and the agent must resend.
+  /// Counts a batch over UDP that was not applied because of a gap, so that the agent must resend.
   void motion_gap();
 
   std::atomic<std::int64_t> agents{0}, viewers{0}, connections{0};
-  /// End of the validity of the server's certificate, s since 1970; 0: it has none.
+  /// End of the validity of the server's certificate, s since 1970; 0 without one.
   std::atomic<std::int64_t> certificate_expires_s{0};
   /// Requests that wait until their session is loaded.
   std::atomic<std::int64_t> waiting_to_load{0};
 
-  /// Returns everything as text, with gauges of the sessions that are open now.
+  /// Returns all metrics as text, with gauges of the sessions that are open now.
   std::string text(const SessionRegistry& registry) const;
 
  private:

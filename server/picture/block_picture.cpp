@@ -24,7 +24,7 @@ struct Light {
   Vec3 towards_key = normalized(kTowardsKey), towards_fill = normalized(kTowardsFill);
 };
 
-/// The light that a surface of a color reflects. `shade`: whether it lies in a shadow.
+/// The light that a surface of a color reflects. `shade`: whether it is in shadow.
 Vec3 lit(Vec3 albedo, Vec3 normal, bool shade, const Light& light) {
   const double key = shade ? 0 : kKey * std::max(0.0, dot(normal, light.towards_key));
   const double fill = kFill * std::max(0.0, dot(normal, light.towards_fill));
@@ -38,7 +38,7 @@ bool in_shadow(const DexelSnapshot& field, Vec3 point_mm, Vec3 normal, const Lig
   return dot(normal, light.towards_key) > 0 && meets_stock(field, lifted, light.towards_key);
 }
 
-/// The color that a ray meets: of the nearest rod or of the block; nothing beside both.
+/// The color along a ray: of the nearest rod or of the block; nullopt if it meets neither.
 std::optional<Vec3> color_along(const DexelSnapshot& field, const PictureStyle& style, Vec3 eye_mm,
                                 Vec3 towards, const Light& light) {
   const auto hit = first_hit(field, eye_mm, towards);
@@ -57,8 +57,8 @@ std::optional<Vec3> color_along(const DexelSnapshot& field, const PictureStyle& 
              in_shadow(field, hit->point_mm, hit->normal, light), light);
 }
 
-/// The sRGB curve of a linear value, 0 to 255; square roots, which are the same on any CPU, in
-/// place of a power (error < 0.004).
+/// The sRGB curve of a linear value, 0 to 255. Uses square roots, which are equal on any CPU,
+/// instead of a power (error < 0.004).
 std::uint8_t srgb_of(double linear) {
   const double s1 = std::sqrt(std::clamp(linear, 0.0, 1.0));
   const double s2 = std::sqrt(s1), s3 = std::sqrt(s2);

@@ -10,16 +10,16 @@ namespace kerf {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-/// A side of columns is part of a slope, not a wall, if it is no higher than the slope of its top
-/// explains, with this much to spare.
+/// A side of columns belongs to a slope, not a wall, if it is no higher than the slope of its top
+/// explains, with this margin.
 constexpr double kSlopeSpare = 1.5;
 constexpr double kSlopeSparePitches = 0.25;
-/// Half the side of the square of columns whose gaps give the direction of a wall.
+/// Half the side of the square of columns whose gaps determine the direction of a wall.
 constexpr int kWallReach = 2;
 
 enum class Face : std::uint8_t { kX, kY, kZ };
 
-/// A ray in the field: depths are in quanta, columns are counted as in DexelGrid.
+/// A ray in the field. Depths are in quanta, columns are numbered as in DexelGrid.
 struct Walk {
   double t = 0, t_end = 0;  ///< mm along the ray: where it enters the column; leaves the grid
   double next_x = kFar, next_y = kFar, per_x = kFar, per_y = kFar;  ///< mm to the next columns
@@ -38,7 +38,7 @@ struct Walk {
   }
 };
 
-/// The part of the ray inside the slab [low, high] narrows [enter, leave].
+/// Narrows [enter, leave] to the part of the ray inside the slab [low, high].
 struct Slabs {
   double enter = 0, leave = kFar;
   Face face = Face::kZ;
@@ -56,7 +56,7 @@ struct Slabs {
   }
 };
 
-/// The first border of columns behind `t`, and the distance between borders.
+/// The first border of columns after `t`, and the distance between borders.
 void set_borders(double from, double towards, double pitch, std::int32_t column, double& next,
                  double& per, std::int32_t& step) {
   if (towards == 0) return;
@@ -102,7 +102,7 @@ void meet(const Walk& walk, const Dexel& element, const EndCodes& codes, Meeting
   const double in = walk.depth_at(walk.t), out = walk.depth_at(walk.t_out());
   const bool falls = walk.per_mm < 0;
   Meeting one{kFar, Face::kZ, falls, element, codes};
-  // A quantum to spare: the ray may enter the grid at the very top of the stock.
+  // One quantum of tolerance: the ray may enter the grid at the very top of the stock.
   if (walk.face == Face::kZ && std::abs(in - (falls ? element.top : element.bottom)) <= 1) {
     one.t = walk.t;
   } else if (in >= element.bottom && in <= element.top) {
@@ -161,7 +161,7 @@ bool is_solid(const DexelSnapshot& field, std::int32_t i, std::int32_t j, double
   return holds(column.topmost) || std::ranges::any_of(column.lower, holds);
 }
 
-/// The direction of a wall beside column (i, j): away from the solid around it, against the ray.
+/// The normal of a wall at column (i, j): away from the solid around it, against the ray.
 Vec3 wall_normal(const DexelSnapshot& field, const Walk& walk, Vec3 towards, double depth,
                  Vec3 side) {
   Vec3 sum;
@@ -179,8 +179,8 @@ std::array<std::int32_t, 2> previous(const Walk& walk) {
   return {walk.i, walk.j - walk.step_y};
 }
 
-/// How far the top of an element stands above the stock of the column before it, mm; infinite where
-/// there is none.
+/// Height of an element's top above the stock of the previous column, mm; infinite if that is
+/// empty.
 double step_mm(const DexelSnapshot& field, std::int32_t i, std::int32_t j, std::int32_t top) {
   const ColumnView column = field.view(i, j);
   double below = -kFar;
@@ -198,8 +198,8 @@ bool was_empty(const DexelSnapshot& field, std::int32_t i, std::int32_t j, doubl
   return !holds(column.topmost) && std::ranges::none_of(column.lower, holds);
 }
 
-/// Normal and kind of the surface where the ray enters a column through its side: of the slope that
-/// the column's top belongs to, or else of a wall.
+/// Normal and kind of the surface where the ray enters a column through its side: that of the slope
+/// of the column's top, or else of a wall.
 void describe_side(const DexelSnapshot& field, const Walk& walk, Vec3 towards, const Meeting& met,
                    RayHit& hit) {
   const auto [i, j] = previous(walk);

@@ -6,13 +6,13 @@
 
 namespace kerf {
 
-/// A camera whose picture a box fills, with a vertical field of view of 30 degrees and Z upwards.
+/// A camera that shows a whole box, with a vertical field of view of 30 degrees and Z upwards.
 class PictureCamera {
  public:
   /// `towards_eye`: from the middle of the box, not parallel to Z.
   PictureCamera(const BoxStock& box, double aspect, Vec3 towards_eye);
   Vec3 eye_mm() const { return eye_mm_; }
-  /// Returns the unit vector from the eye through a place in the picture; x and y run from -1 to 1,
+  /// Returns the unit vector from the eye through a point of the picture; x and y run from -1 to 1,
   /// to the right and upwards.
   Vec3 towards(double x, double y) const;
 

@@ -15,14 +15,14 @@ struct PictureRod {
   Vec3 color;  ///< linear, 0 to 1
 };
 
-/// The place where a ray enters a rod.
+/// The point where a ray enters a rod.
 struct RodHit {
   double at_mm = 0;  ///< along the ray
   Vec3 normal;       ///< of the rod there: unit, outward
 };
 
-/// Returns where the ray from `from_mm` along the unit vector `towards` enters a rod; nothing if it
-/// misses it or begins inside of it.
+/// Returns where the ray from `from_mm` along the unit vector `towards` enters a rod; nullopt if it
+/// misses it or begins inside it.
 std::optional<RodHit> meet(const PictureRod& rod, Vec3 from_mm, Vec3 towards);
 
 }  // namespace kerf

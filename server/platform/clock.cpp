@@ -38,7 +38,8 @@ double Clock::thread_cpu_s() noexcept { return seconds(read(CLOCK_THREAD_CPUTIME
 
 double Clock::process_cpu_s() noexcept { return seconds(read(CLOCK_PROCESS_CPUTIME_ID)); }
 
-#ifdef CLOCK_BOOTTIME  // not WASI, whose programs (web/wasm) have no journal that another continues
+#ifdef CLOCK_BOOTTIME  // not on WASI, whose programs (web/wasm) have no journal that another server
+                       // continues
 std::int64_t Clock::boot_ns() noexcept { return read(CLOCK_BOOTTIME).count(); }
 #endif
 

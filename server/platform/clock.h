@@ -6,15 +6,15 @@
 
 namespace kerf {
 
-/// The time of the operating system. Nothing else in server/ reads it (tests/arch), so that a test
-/// that replaces clock_gettime decides about all time of a server. Callable on every thread.
+/// The time of the operating system. No other code in server/ reads it (tests/arch), so a test that
+/// replaces clock_gettime controls all time of a server. Callable on every thread.
 class Clock {
  public:
   using duration = std::chrono::steady_clock::duration;
   using time_point = std::chrono::steady_clock::time_point;
 
-  /// Returns the monotonic time of std::chrono::steady_clock, by which condition variables and
-  /// timers wait. It never decreases, and stands still while the machine sleeps.
+  /// Returns the monotonic time of std::chrono::steady_clock, which condition variables and timers
+  /// use. It never decreases, and does not advance while the machine sleeps.
   static time_point now() noexcept;
 
   /// Returns the time of day in UTC, which may jump, also back.
@@ -29,8 +29,7 @@ class Clock {
   /// Returns the CPU time of all threads of this process, s.
   static double process_cpu_s() noexcept;
 
-  /// Returns ns since the machine was started, the time that it slept included. Nobody sets this
-  /// clock.
+  /// Returns ns since boot, including time asleep. Nobody sets this clock.
   static std::int64_t boot_ns() noexcept;
 };
 

@@ -7,14 +7,14 @@
 
 namespace kerf {
 
-/// Fills `bytes` from the operating system's generator (getrandom(2)), whose numbers nobody can
-/// guess: keys and tokens are made of them. False if the system gives none; the bytes are not
-/// random then. Callable on every thread.
+/// Fills `bytes` with unpredictable data for keys and tokens from the operating system's generator
+/// (getrandom(2)). Returns false if the system has none; the bytes are then not random. Callable on
+/// every thread.
 [[nodiscard]] bool fill_random(std::span<std::byte> bytes) noexcept;
 
-/// Returns a random number of the same generator. It identifies a run of a server or a writer of a
-/// stream, or seeds a generator. If the system gives none, it prints an error and aborts, because
-/// two servers with equal numbers would be taken for one.
+/// Returns a random number from the same generator. It identifies a run of a server or a writer of
+/// a stream, or seeds a generator. On failure prints an error and aborts, because two servers with
+/// equal numbers could not be distinguished.
 std::uint64_t random_number() noexcept;
 
 }  // namespace kerf

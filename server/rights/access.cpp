@@ -178,13 +178,13 @@ AccessResult<Issued> Access::redeem(std::string_view token, const std::string& s
   if (passes >= (found.uses > 0 ? static_cast<std::size_t>(found.uses) : kPassesMax)) {
     return fail(AccessFault::kLimit, "this invitation has been used as often as it may be");
   }
-  // Without it, one person could use up an invitation for many.
+  // Without it, one person could use up an invitation for many people.
   std::size_t unknown = 0;
   std::size_t& of_network = network.empty() ? unknown : network_passes_[{found.id, network}];
   if (of_network >= kNetworkPassesMax) {
     return fail(AccessFault::kLimit, "too many people of your network have used this invitation");
   }
-  // Counted before the pass exists: a failure between the two costs a use.
+  // Counted before the pass exists, so a failure in between costs a use.
   ++found.used;
   if (auto done = put(found); !done) return std::unexpected(done.error());
   ++of_network;

@@ -21,16 +21,16 @@
 
 namespace kerf {
 
-/// How a server decides who somebody is.
+/// How a server treats requests without a token.
 enum class Regime : std::uint8_t {
   kLocal,   ///< everybody administers: for loopback
-  kOpen,    ///< who has no token is a guest
-  kTokens,  ///< who has no token is nobody
+  kOpen,    ///< without a token: guest
+  kTokens,  ///< without a token: nobody
 };
 
 struct AccessOptions {
-  std::filesystem::path folder = {};  ///< of the file of grants; empty: nothing is kept
-  std::string admin_token = {};       ///< empty: there is no administrator but on loopback
+  std::filesystem::path folder = {};  ///< of the file of grants; empty: grants are not stored
+  std::string admin_token = {};       ///< empty: no administrator except on loopback
   bool open = false;
   std::function<std::int64_t()> now_s = {};  ///< seconds since 1970; empty: the system's clock
 };
@@ -43,26 +43,26 @@ struct AccessError {
 template <typename T>
 using AccessResult = std::expected<T, AccessError>;
 
-/// The wishes of an owner who invites.
+/// An owner's settings for an invitation.
 struct Invitation {
   Role role = Role::kWatcher;
   std::int64_t lifetime_s = std::int64_t{7} * 24 * 3600;  ///< 0: it does not expire
-  std::string name = {}, color = {};  ///< of the one person that is invited; empty: anybody
-  std::int64_t uses = 0;              ///< passes that it gives, to kPassesMax; 0: kPassesMax
+  std::string name = {}, color = {};  ///< of the one invited person; empty: anybody
+  std::int64_t uses = 0;              ///< number of passes, up to kPassesMax; 0: kPassesMax
 };
 
-/// A new grant and its token, which is not stored and can be read here only.
+/// A new grant and its token, which is not stored and available only here.
 struct Issued {
   Grant grant;
   std::string token;
 };
 
-/// The tokens of a server and what they grant, and the regions that are reserved. Thread-safe.
+/// The tokens of a server with their grants, and the reserved regions. Thread-safe.
 class Access {
  public:
   static constexpr std::size_t kInvitationsMax = 1000;   ///< of a session
   static constexpr std::size_t kPassesMax = 2000;        ///< given for one invitation
-  static constexpr std::size_t kNetworkPassesMax = 100;  ///< of these, to one network
+  static constexpr std::size_t kNetworkPassesMax = 100;  ///< to clients of one network
   static constexpr std::size_t kRegionsMax = 64;         ///< of a session
   static constexpr std::int64_t kLifetimeMaxS = std::int64_t{366} * 24 * 3600;
 
@@ -70,27 +70,27 @@ class Access {
   static std::expected<std::unique_ptr<Access>, std::string> open(AccessOptions options);
 
   Regime regime() const { return regime_; }
-  /// Who presents `token` (empty: none) to a session (empty: none in particular). An invalid token
-  /// makes a guest of an open server, and nobody otherwise.
+  /// Returns the caller that presents `token` (empty: none) to a session (empty: none in
+  /// particular). An invalid token gives a guest on an open server, and nobody otherwise.
   Caller identify(std::string_view token, std::string_view session) const;
 
   AccessResult<Issued> invite(const std::string& session, const Invitation& invitation);
-  /// Gives the holder of an invitation a pass of its own, with a lasting name (at most 64 bytes;
-  /// that of the invitation comes first) and color. `network`: from which it comes; empty: unknown.
+  /// Gives the holder of an invitation its own pass, with a lasting name (at most 64 bytes; the
+  /// invitation's takes precedence) and color. `network`: of the client; empty: unknown.
   AccessResult<Issued> redeem(std::string_view token, const std::string& session,
                               const std::string& name, const std::string& network = {});
   /// The grants of a session that have not expired, the oldest first.
   std::vector<Grant> grants(std::string_view session) const;
   /// Ends a grant, and the passes given for it; returns their ids.
   AccessResult<std::vector<std::string>> revoke(std::string_view session, const std::string& id);
-  /// The grant by which a person comes: of a pass for an invitation by name, that invitation;
-  /// otherwise `id`. What ends it keeps the person out.
+  /// The grant of a person: for a pass of an invitation by name, that invitation; otherwise `id`.
+  /// Ending it keeps the person out.
   std::string root_of(const std::string& id) const;
-  /// Change what the grants of a person say: an invitation by name with its passes, otherwise the
-  /// grant alone. Return their ids.
+  /// Change the grants of a person: an invitation by name with its passes, otherwise the grant
+  /// alone. Return their ids.
   AccessResult<std::vector<std::string>> set_role(const std::string& id, Role role);
   AccessResult<std::vector<std::string>> set_muted(const std::string& id, bool muted);
-  /// As set_role, also for the invitation of a pass: who opens it from now on gets the new role.
+  /// Like set_role, also for the invitation of a pass, so that later holders get the new role.
   AccessResult<std::vector<std::string>> step_down(const std::string& id, Role role);
 
   std::vector<Region> regions(std::string_view session) const;
@@ -98,18 +98,19 @@ class Access {
   AccessResult<std::uint32_t> reserve(const std::string& session, Region region);
   AccessResult<void> release(const std::string& session, std::uint32_t region);
 
-  /// A session is gone: another one of the same id begins without grants and regions.
+  /// Removes the grants and regions of a session, so that a new one with its id starts without
+  /// them.
   AccessResult<void> forget(const std::string& session);
 
-  /// Calls `report` with each change of the rights of a session from now on, in their order, as one
-  /// of its attachments (rights_rows.h); not for forget() and adopt(). Call once, before the
-  /// others.
+  /// Calls `report` with each later change of a session's rights, in order, as one of its
+  /// attachments (rights_rows.h), except in forget() and adopt(). Call once, before any other
+  /// function.
   using Report = std::function<void(const std::string& session, AttachmentChange change)>;
   void report_to(Report report) { report_ = std::move(report); }
   /// The rights of a session as its attachments.
   std::vector<AttachmentChange> attachments(const std::string& session) const;
-  /// Makes the rights of a session those that its attachments say; others of these are left out,
-  /// and so is what has expired. Returns the grants that have ended with it.
+  /// Replaces the rights of a session by those of its attachments. Other attachments and expired
+  /// grants are skipped. Returns the grants that have ended.
   AccessResult<std::vector<std::string>> adopt(const std::string& session,
                                                const std::vector<Attachment>& attachments);
 
@@ -117,7 +118,7 @@ class Access {
   explicit Access(AccessOptions options);
   std::int64_t now_s() const;
   bool is_valid(const Grant& grant) const;
-  /// The grant of a token in a session; null if there is none.
+  /// The grant of a token in a session, or null.
   const Grant* find(std::string_view token, std::string_view session) const;
   AccessResult<void> put(const Grant& grant);
   void report(const std::string& session, AttachmentChange change) const {
@@ -133,8 +134,8 @@ class Access {
   Report report_ = {};
   Regime regime_ = Regime::kLocal;
   std::optional<TokenHash> admin_;
-  /// Guards the file and is held by all that change the members below, which may therefore read
-  /// them without mutex_. Nobody who asks for rights waits for the disk.
+  /// Guards the file. Held by every function that changes the members below, which may therefore
+  /// read them without mutex_. Queries of rights never wait for the disk.
   std::mutex file_mutex_;
   GrantFile file_;
   /// Passes given since the start, by invitation and network. Guarded by file_mutex_.

@@ -9,8 +9,8 @@
 
 namespace kerf {
 
-/// The text by which the holder of a grant proves it: "kerf_", the grant's public id, "_" and a
-/// secret of 128 random bits. The id finds the grant; only the SHA-256 of the secret is stored, and
+/// The text with which the holder of a grant proves it: "kerf_", the grant's public id, "_" and a
+/// secret of 128 random bits. The id finds the grant. Only the SHA-256 of the secret is stored, and
 /// it is compared in constant time. Never logged.
 struct AccessToken {
   static constexpr std::size_t kIdDigits = 12;

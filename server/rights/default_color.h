@@ -7,11 +7,11 @@
 
 namespace kerf {
 
-/// Number of different colors that default_color() gives.
+/// Number of different colors of default_color().
 inline constexpr std::size_t kDefaultColors = 8;
 
-/// Returns the color of the n-th tool or person that has not chosen one: one of eight hues that
-/// remain distinguishable with color-vision deficiency.
+/// Returns the color of the n-th tool or person without a chosen one: one of eight hues that remain
+/// distinguishable with color-vision deficiency.
 constexpr const char* default_color(std::size_t n) {
   constexpr std::array<const char*, kDefaultColors> kColors = {
       "#d9541e", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31", "#6f4fa0"};

@@ -20,7 +20,7 @@ CREATE TABLE IF NOT EXISTS regions(
   PRIMARY KEY(session, id)) WITHOUT ROWID;
 )";
 
-/// For files from before these columns.
+/// Upgrades files from before these columns.
 constexpr const char* kNewColumns =
     "BEGIN IMMEDIATE; ALTER TABLE grants ADD COLUMN uses INTEGER DEFAULT 0;"
     "ALTER TABLE grants ADD COLUMN used INTEGER DEFAULT 0; COMMIT";
@@ -45,7 +45,7 @@ Grant grant_of(const SqlStatement& row) {
   grant.uses = row.integer(10);
   grant.used = row.integer(11);
   const auto hash = row.blob(9);
-  // A row of another length fits no token.
+  // A row of another length matches no token.
   if (hash.size() != grant.hash.size()) grant.role = Role::kNobody;
   if (hash.size() == grant.hash.size()) std::memcpy(grant.hash.data(), hash.data(), hash.size());
   return grant;

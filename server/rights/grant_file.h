@@ -20,14 +20,14 @@ struct SessionRegion {
 };
 
 /// Grants and reserved regions on disk: an SQLite file that only its owner can read. Each call is
-/// durable when it returns. The file is made by the first call that writes. Errors are one
-/// sentence. Not thread-safe.
+/// durable when it returns. The first write creates the file. Errors are one sentence. Not
+/// thread-safe.
 class GrantFile {
  public:
   static constexpr const char* kName = "rights.db";
   using Done = std::expected<void, std::string>;
 
-  /// `folder` empty: nothing is kept.
+  /// `folder` empty: nothing is stored.
   explicit GrantFile(const std::filesystem::path& folder);
 
   struct Content {
@@ -44,7 +44,7 @@ class GrantFile {
   Done remove_region(const std::string& session, std::uint32_t region);
   /// Removes all grants and regions of a session.
   Done forget(const std::string& session);
-  /// Makes these its grants and regions, at once.
+  /// Replaces them by these grants and regions, atomically.
   Done replace(const std::string& session, const std::vector<Grant>& grants,
                const std::vector<Region>& regions);
 

@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-/// One column for each role, in their order; x: may.
+/// One column per role, in their order; x: permitted.
 using Roles = std::string_view;
 
 struct Row {
@@ -17,7 +17,7 @@ struct Row {
   std::string_view covers;
 };
 
-/// The table of who may do what: nobody, guest, watcher, sculptor, owner, administrator.
+/// The table of rights: nobody, guest, watcher, sculptor, owner, administrator.
 constexpr std::array kRows = {
     Row{Action::kReach, "reach", "xxxxxx",
         "the page, `/healthz`, `/readyz`; exchange an invitation for a pass"},

@@ -11,8 +11,8 @@
 
 namespace kerf {
 
-/// What a peer may ask for. The first one is that of a route that names none: only an administrator
-/// may do it.
+/// An action that needs a right. The first one is that of a route that names none, and reserved to
+/// administrators.
 enum class Action : std::uint8_t {
   kAdminister,
   kReach,
@@ -29,22 +29,22 @@ enum class Action : std::uint8_t {
   kCloseSession,
 };
 
-/// Returns whether a role may do something, from the table of README.md (rights.cpp). Every check
-/// of the server calls this function.
+/// Returns whether a role may perform an action, from the table of README.md (rights.cpp). Every
+/// check of the server calls this function.
 bool may(Role role, Action action);
 
-/// Returns whether a caller may change a thing that somebody has made: one's own with the right
-/// `own`, and any with Action::kModerate. `author` is the grant by which it was made; empty:
-/// nobody's in particular. Those who share an invitation count as one.
+/// Returns whether a caller may change an existing thing: its own with the right `own`, and any
+/// with Action::kModerate. `author` is the grant with which it was made; empty: nobody's in
+/// particular. Holders of a shared invitation count as one.
 bool may_change(const Caller& caller, std::string_view author, Action own);
 
 /// The name of an action in errors and on the wire, e.g. "run_programs".
 std::string_view to_string(Action action);
 
-/// The first of watcher, sculptor, owner and administrator that may do something, for error texts.
+/// The first of watcher, sculptor, owner and administrator with a right, for error texts.
 Role lowest_invited(Action action);
 
-/// The names of the actions that a role may do, in the order of the table.
+/// The names of the actions of a role, in the order of the table.
 std::vector<std::string_view> allowed_actions(Role role);
 
 /// The table of README.md.

@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-/// Of the bytes of both kinds.
+/// Version of the bytes of both kinds.
 constexpr std::uint8_t kLayout = 1;
 
 void put_number(ByteWriter& out, std::int64_t number) {

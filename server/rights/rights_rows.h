@@ -13,15 +13,15 @@
 
 namespace kerf {
 
-/// Kinds of the attachments of a session that are its rights: a grant, named by its id, and a
-/// reserved region, named by its number.
+/// Kinds of a session's attachments that hold its rights: a grant, named by its id, and a reserved
+/// region, named by its number.
 inline constexpr const char* kGrantKind = "grant";
 inline constexpr const char* kRegionKind = "region";
 
-/// All of a grant but its session; its token only as the hash.
+/// A grant without its session; of its token only the hash.
 AttachmentChange stored(const Grant& grant);
 AttachmentChange stored(const Region& region);
-/// What an attachment of a session says; nullopt if it is of another kind or its bytes are none.
+/// Decodes an attachment of a session; nullopt for another kind or invalid bytes.
 std::optional<Grant> grant_of(const Attachment& attachment, const std::string& session);
 std::optional<Region> region_of(const Attachment& attachment);
 

@@ -9,7 +9,7 @@
 
 namespace kerf {
 
-/// Who somebody is in a session, from the fewest rights to the most.
+/// The role of a caller in a session, from the fewest rights to the most.
 enum class Role : std::uint8_t { kNobody, kGuest, kWatcher, kSculptor, kOwner, kAdministrator };
 
 /// The names of the roles, in their order.

@@ -62,7 +62,7 @@ class AgentConnection final : public PeerSocket {
   Executor& executor_;
   std::shared_ptr<UdpPeer> udp_;  ///< null without a UDP connection
   bool works_ = false;            ///< a coroutine works on the batch
-  asio::steady_timer worked_;     ///< cancelled when it has; never expires
+  asio::steady_timer worked_;     ///< cancelled when the work is done; never expires
   AgentConversation conversation_;
 };
 
@@ -77,10 +77,10 @@ std::optional<datagram::Offer> AgentConnection::open_udp() {
   return udp_->offer();
 }
 
-/// Works on a long batch, one turn after the other. In between the thread serves the other agents:
-/// it has at least as much time for them as for this one. Before the first turn it reads what they
-/// have sent already, because that may be carved together. Only one coroutine works; another waits
-/// for it, so that this also holds while both transports have frames.
+/// Works on a long batch, turn by turn. In between the thread serves the other agents, for at least
+/// as long as this one. Before the first turn it reads the frames that they have already sent,
+/// because these may be carved together. Only one coroutine works, and another waits for it, so
+/// that this also holds while both transports have frames.
 asio::awaitable<void> AgentConnection::act() {
   error_code ignored;
   while (works_) co_await worked_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));

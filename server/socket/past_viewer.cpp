@@ -12,11 +12,11 @@
 namespace kerf::net {
 namespace {
 
-/// Time that a turn of playing takes on its thread, which all viewers of the past share.
+/// Time per turn of playing, because all viewers of the past share the thread.
 constexpr std::chrono::milliseconds kTurn{15};
-/// Pauses of the journal beyond this are passed over; ms.
+/// Longer pauses of the journal are skipped; ms.
 constexpr std::int64_t kPauseMaxMs = 1000;
-/// The least time between two hashes while a block plays.
+/// Minimum interval between two hashes during playback.
 constexpr std::chrono::milliseconds kHashInterval{500};
 
 }  // namespace
@@ -31,7 +31,7 @@ PastViewer::PastViewer(std::shared_ptr<Session> session, ViewerConversation* vie
   side_->session = std::move(session);
   side_->first_look = look;
   side_->budget = viewer->budget();
-  // It is sent checksums and digests of the past too.
+  // Frames of the past have checksums and digests too.
   if (viewer->first_look().nodes == TileNodes::kVerified) side_->nodes = TileNodes::kVerified;
 }
 
@@ -96,7 +96,7 @@ void PastViewer::start_job() {
   });
 }
 
-/// Moves the block to where the job says.
+/// Brings the block to the record of the job.
 void PastViewer::go(Side& side, const Job& job, const std::stop_token& stop, Result& result) {
   if (!side.block) {
     auto block = PastBlock::create(past_of(side.session));
@@ -116,7 +116,7 @@ void PastViewer::go(Side& side, const Job& job, const std::stop_token& stop, Res
   }
 }
 
-/// Tells damage of the journal, which remains, from failures that pass.
+/// Distinguishes damage of the journal, which persists, from temporary failures.
 void PastViewer::explain(const Session& session, const std::stop_token& stop, Result& result) {
   const auto damage = damage_after(session, result.error, stop);
   if (!damage) return;
@@ -138,7 +138,7 @@ PastViewer::Result PastViewer::run_job(Side& side, const Job& job, const std::st
   return result;
 }
 
-/// Makes what the viewer is sent.
+/// Builds the frames for one viewer of the past.
 void PastViewer::serve(Side& side, const Job& job, Result& result) {
   PastBlock& block = *side.block;
   const std::vector<TileIndex> changed = block.take_changed();
@@ -185,7 +185,7 @@ void PastViewer::deliver(Result result) {
   context_.metrics.mesh_made(result.tiles, result.bytes);
   waits_for_budget_ = result.waits_for_budget;
   const bool has_failed = !result.error.empty() || result.has_no_record;
-  // One that the next seek has ended has not failed.
+  // A job that the next seek has ended has not failed.
   if (has_failed && !next_.record) reject(result);
   if (!is_shown_ && result.state.past) {
     is_shown_ = true;
@@ -199,7 +199,7 @@ void PastViewer::deliver(Result result) {
 }
 
 void PastViewer::send(Result& result) {
-  // The clock stands still while the block is late, and passes over long pauses.
+  // The clock waits while the block is late, and skips long pauses.
   if (result.has_moved || result.is_late) set_clock(result.state.past->time_ms);
   if (result.next_ms > journal_clock() + kPauseMaxMs) set_clock(result.next_ms);
   for (FeedFrame& frame : result.frames) viewer_->send_mesh(std::move(frame));
@@ -211,7 +211,7 @@ void PastViewer::send(Result& result) {
     state_ = result.state;
     hashed_ = Clock::now();
   }
-  if (state_.sequence != result.state.sequence) return;  // it has moved on since the last hash
+  if (state_.sequence != result.state.sequence) return;  // it has advanced since the last hash
   state_.settled = result.state.settled;
   state_.past = result.state.past;
   state_.past->rate = rate_;

@@ -17,27 +17,28 @@
 
 namespace kerf::net {
 
-/// One viewer that looks at the past: its own copy of the block and its own feed of tiles, which
-/// jobs on the thread `past` bring to where it asks, one at a time. Everything else runs on the
-/// viewers' thread.
+/// One viewer of the past: its own copy of the block and its own feed of tiles, which jobs on the
+/// thread `past` bring to the requested record, one at a time. Everything else runs on the viewers'
+/// thread.
 class PastViewer : public std::enable_shared_from_this<PastViewer> {
  public:
-  /// `viewer` must stay valid until end(). Until the first record has been reached it looks at the
-  /// present; then `on_first` is called, with false if it could not be reached.
+  /// `viewer` must stay valid until end(). The viewer sees the present until the first record has
+  /// been reached. Then `on_first` is called, with false if it could not be reached.
   PastViewer(std::shared_ptr<Session> session, ViewerConversation* viewer, PeerContext& context,
              std::optional<ViewerLook> look, std::function<void(bool)> on_first);
 
-  /// Goes to a record, and on from there with a rate; a seek that is carried out is ended.
+  /// Seeks a record, and plays from there at a rate. Cancels a seek in progress.
   void seek(const SeekMessage& seek);
   /// Whether the first record has been reached.
   bool is_shown() const { return is_shown_; }
   void acknowledge(std::uint64_t sequence);
   void look(const ViewerLook& look);
-  /// Sets the bytes of mesh frames per second that the viewer may be sent; 0: any.
+  /// Sets the viewer's budget, bytes of mesh frames per second; 0: unlimited.
   void set_budget(std::uint32_t bytes_per_s);
-  /// Plays on, and sends what has waited for the budget. Call some thirty times a second.
+  /// Continues playing, and sends frames that have waited for the budget. Call about thirty times a
+  /// second.
   void tick();
-  /// The viewer has left, or looks at the present again.
+  /// The viewer has left, or returns to the present.
   void end();
 
  private:
@@ -70,7 +71,7 @@ class PastViewer : public std::enable_shared_from_this<PastViewer> {
     std::uint64_t tiles = 0, bytes = 0;
     std::vector<FeedFrame> frames;
     wire::ToolStates tools;
-    SurfaceState state;  ///< without `past`: nothing has been reached
+    SurfaceState state;  ///< without `past`: no record has been reached
     bool with_hash = false;
   };
 
@@ -82,7 +83,7 @@ class PastViewer : public std::enable_shared_from_this<PastViewer> {
   void deliver(Result result);
   void reject(const Result& result);
   void send(Result& result);
-  /// The time in the journal that has come now; ms since 1970.
+  /// The current time in the journal; ms since 1970.
   std::int64_t journal_clock() const;
   void set_clock(std::int64_t journal_ms);
 
@@ -92,12 +93,12 @@ class PastViewer : public std::enable_shared_from_this<PastViewer> {
   std::shared_ptr<Side> side_;
   Job next_;
   bool job_runs_ = false, is_shown_ = false, waits_for_budget_ = false;
-  std::stop_source stop_;        ///< of the job that runs
+  std::stop_source stop_;        ///< of the running job
   double rate_ = 0;              ///< 0: it rests
   std::int64_t journal_ms_ = 0;  ///< the time in the journal at `since_`
   Clock::time_point since_, hashed_;
   std::uint64_t tools_sent_ = 0;
-  SurfaceState state_;  ///< when it was hashed last
+  SurfaceState state_;  ///< at the last hash
 };
 
 }  // namespace kerf::net

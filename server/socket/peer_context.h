@@ -17,10 +17,10 @@ struct PeerContext {
   Metrics& metrics;
   HubDirectory& hubs;
   UdpPort& udp;
-  std::uint32_t viewer_budget;  ///< at most, bytes of mesh frames per second; 0: any
+  std::uint32_t viewer_budget;  ///< upper limit, bytes of mesh frames per second; 0: unlimited
   IoThreads& viewers;           ///< viewers' sockets: one thread
   IoThreads& meshing;           ///< short background work: tiles for viewers, state hashes
-  IoThreads& past;              ///< blocks of viewers that look at the past: one thread
+  IoThreads& past;              ///< blocks of viewers of the past: one thread
 };
 
 /// The thread of a session. The server creates the executor of every session as IoThreads.

@@ -57,9 +57,9 @@ asio::awaitable<void> PeerSocket::run(UpgradeRequest request) {
     error = co_await socket_.read();
     if (error) break;
     const auto arrived = Clock::now();
-    // An agent's batch that came over UDP meanwhile precedes this frame.
+    // An agent's batch received over UDP in the meantime precedes this frame.
     if (conversation().has_action()) co_await act();
-    if (failed_) break;  // act() has left the batch as it is
+    if (failed_) break;  // act() has not finished the batch
     conversation().receive(socket_.message(), socket_.is_text(), arrived);
     pump();
     conversation().refresh();
@@ -107,7 +107,7 @@ void PeerSocket::pump() {
   if (conversation().finishing()) limit_leaving();
   if (writing_) return;
   const bool leaves = conversation().take(out_);
-  if (!leaves) socket_.flush();  // what was to follow has been dropped
+  if (!leaves) socket_.flush();  // the expected next frame has been dropped
   if (!leaves && !conversation().finishing()) return;
   writing_ = true;
   if (!leaves) {

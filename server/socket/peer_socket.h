@@ -30,23 +30,23 @@ class PeerSocket : public std::enable_shared_from_this<PeerSocket> {
   void start(UpgradeRequest request);
 
  protected:
-  /// Time that a peer has to read the last frames and to close, once its conversation is over. Less
-  /// than a server that ends waits for its peers.
+  /// Time for a peer to read the last frames and to close, once its conversation is over. Shorter
+  /// than the time that a stopping server waits for its peers.
   static constexpr std::chrono::milliseconds kLeaveTime{1500};
 
-  /// `remaining_s`: time until the peer's grant expires; negative: it does not.
+  /// `remaining_s`: time until the peer's grant expires; negative: never.
   PeerSocket(ByteStream stream, std::string_view protocol, std::int64_t remaining_s,
              std::chrono::milliseconds leave_time = kLeaveTime);
 
   virtual Conversation& conversation() = 0;
-  /// Does what Conversation::has_action announces; no frame is read meanwhile.
+  /// Performs the action of Conversation::has_action. No frame is read during it.
   virtual boost::asio::awaitable<void> act();
   /// The connection is gone, or the upgrade has failed.
   virtual void closed() = 0;
 
   /// Sends the next frame of the conversation unless one is being sent.
   void pump();
-  /// Writing has failed: nothing can be sent any more.
+  /// Whether writing has failed, so that nothing can be sent any more.
   bool has_failed() const { return failed_; }
 
  private:

@@ -25,7 +25,7 @@ constexpr WebSocketLimits kShortLimits{
     .message_bytes = std::size_t{64} * 1024,
 };
 
-/// A WebSocket, and the bye that ends it.
+/// A WebSocket with the bye that ends it.
 struct Leaving {
   WebSocket socket;
   UpgradeRequest request;

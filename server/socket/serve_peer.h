@@ -12,13 +12,13 @@
 
 namespace kerf::net {
 
-/// Serves an agent or a viewer until its WebSocket closes. Both take over an accepted connection
-/// whose upgrade request has been read and checked; `caller` is who the request's token says it is.
+/// Serve an agent or a viewer until its WebSocket closes. Both take over an accepted connection
+/// whose upgrade request has been read and checked; `caller` is identified by the request's token.
 void serve_agent(ByteStream stream, UpgradeRequest request, std::shared_ptr<Session> session,
                  Caller caller, PeerContext& context);
 void serve_viewer(ByteStream stream, UpgradeRequest request, std::shared_ptr<Session> session,
                   Caller caller, PeerContext& context);
-/// Sends a peer to the server `address`, which has the session, with a bye.
+/// Redirects a peer to the server `address`, which has the session, with a bye.
 void serve_redirect(ByteStream stream, UpgradeRequest request, std::string_view protocol,
                     const std::string& address);
 

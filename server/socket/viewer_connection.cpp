@@ -40,7 +40,7 @@ class ViewerConnection final : public PeerSocket {
     ++context_.metrics.viewers;
   }
   ~ViewerConnection() override {
-    leave_hub();  // also if an exception has ended the connection
+    leave_hub();  // also if an exception ended the connection
     --context_.metrics.viewers;
   }
 
@@ -76,8 +76,8 @@ asio::awaitable<void> ViewerConnection::act() {
   }
 }
 
-/// Waits until the viewer may join; false: it has to be rejected. An audience that is larger than
-/// what is let in at once comes one after the other.
+/// Waits until the viewer may join. Returns false if it must be rejected. A large audience is
+/// admitted one by one.
 asio::awaitable<bool> ViewerConnection::wait_for_turn() {
   auto ask = [session = session_] { return session->viewer_turn(); };
   const auto wait_s = co_await run_on(threads_of(*session_), std::move(ask));

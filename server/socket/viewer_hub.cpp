@@ -50,7 +50,7 @@ void ViewerHub::remove(ParticipantId id) {
     tick_.cancel();  // the loop ends now
     return;
   }
-  // When the server ends, the meshing thread goes before the last connections.
+  // When the server ends, the meshing thread ends before the last connections.
   if (!context_.viewers.context().stopped()) start_job();
 }
 
@@ -72,7 +72,7 @@ void ViewerHub::acknowledge(ParticipantId id, std::uint64_t sequence) {
   const Viewer* viewer = find(id);
   if (viewer != nullptr && viewer->is_past()) return viewer->past->acknowledge(sequence);
   next_job_.acks.emplace_back(id, sequence);
-  // Unless the viewer has everything, a frame that waits may leave now.
+  // Unless the viewer has everything, a pending frame may leave now.
   const bool has_all = viewer != nullptr && viewer->sent && *viewer->sent >= revision_;
   if (!has_all) start_job();
 }
@@ -127,7 +127,7 @@ void ViewerHub::show_past(ParticipantId id, Viewer& viewer, const SeekMessage& s
   viewer.past->seek(seek);
 }
 
-/// The first seek of a viewer has been carried out, or has failed.
+/// The first seek of a viewer has been completed, or has failed.
 void ViewerHub::leave_present(ParticipantId id, bool reached) {
   Viewer* viewer = find(id);
   if (!reached) {
@@ -152,7 +152,7 @@ void ViewerHub::show_present(ParticipantId id, Viewer& viewer) {
   viewer.sent.reset();
   viewer.has_tools = viewer.has_programs = viewer.has_cameras = false;
   viewer.matters_sent.clear();
-  last_tools_.clear();  // its tools come again
+  last_tools_.clear();  // its tools are sent again
   join_feed(id, viewer.look);
   start_job();
 }
@@ -162,7 +162,7 @@ void ViewerHub::listen() {
   std::weak_ptr<ViewerHub> weak = weak_from_this();
   auto& viewers = context_.viewers;
   threads_of(*session_).post([session = session_, weak, &viewers] {
-    // The listener may outlive the hub: it does not own it and ends with the session.
+    // The listener may outlive the hub, so it does not own it, and ends with the session.
     auto listener = std::make_shared<int>(0);
     *listener = session->listen(
         [session = session.get(), weak, &viewers, listener](const SessionEvent& event) {
@@ -201,7 +201,7 @@ asio::awaitable<void> ViewerHub::run() {
 }
 
 /// Reads the session and has the changed surface meshed. While a job runs, a crowd's reading waits
-/// for its end, once: what is read then is newer when it is meshed, and poses leave with it.
+/// once for its end, so that its data is newer when meshed, and poses leave with it.
 void ViewerHub::read_session() {
   if (is_reading_ || (job_runs_ && !has_feed_)) return;
   if (job_runs_ && is_crowd() && !reads_after_job_) {
@@ -223,7 +223,7 @@ void ViewerHub::read_session() {
       if (first) {
         job.first = {std::move(snapshot), frame.motions};
       } else {
-        // On the session's thread, which keeps changes in order: a job may start after the next
+        // On the session's thread, which keeps changes in order even if a job starts after the next
         // reading.
         self->side_->feed->note_change(std::move(snapshot), frame.changed, frame.motions);
         job.is_for_all = with_job;
@@ -249,7 +249,7 @@ void ViewerHub::take_frame(SessionFrame frame, bool has_surface) {
   take_lists(frame);
   newest_ = std::move(frame);
   has_newest_ = true;
-  // The poses before these have waited for tiles long enough.
+  // The previous poses have waited for tiles long enough.
   send_tools();
   encode_tools();
   if (!is_crowd() || !has_surface) send_tools();

@@ -21,10 +21,10 @@
 
 namespace kerf::net {
 
-/// The viewers of one session. While there are viewers it reads the session's state some thirty
-/// times a second, has changed tiles meshed on the meshing thread and distributes the frames. Runs
-/// on the viewers' thread; agents never wait for it. What is read goes from the session's thread to
-/// the meshing thread by itself: a viewers' thread that sends to a crowd does not delay it.
+/// The viewers of one session. While it has viewers it reads the session's state about thirty times
+/// a second, has changed tiles meshed on the meshing thread and distributes the frames. Runs on the
+/// viewers' thread; agents never wait for it. Readings go directly from the session's thread to the
+/// meshing thread, so a viewers' thread that sends to a crowd does not delay them.
 class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
  public:
   ViewerHub(std::shared_ptr<Session> session, PeerContext& context);
@@ -35,34 +35,34 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   void add(ParticipantId id, ViewerConversation* viewer, const FirstLook& first);
   void remove(ParticipantId id);
   void acknowledge(ParticipantId id, std::uint64_t sequence);
-  /// Sets the position from which a viewer looks; only the newest counts.
+  /// Sets the viewpoint of a viewer. Only the newest counts.
   void look(ParticipantId id, const ViewerLook& look);
-  /// Sets the bytes of mesh frames per second that a viewer may be sent; 0: any.
+  /// Sets a viewer's budget, bytes of mesh frames per second; 0: unlimited.
   void set_budget(ParticipantId id, std::uint32_t bytes_per_s);
   /// Shows a viewer the past, or the present again.
   void seek(ParticipantId id, const SeekMessage& seek);
-  /// Shows the viewer's camera to the others, or no longer; only the newest counts.
+  /// Shows the viewer's camera to the other viewers, or hides it. Only the newest counts.
   void show_camera(ParticipantId id, const CameraMessage& message);
   static constexpr std::chrono::seconds kLookWait{1};
   /// Viewers of one session who show their cameras.
   static constexpr std::size_t kCamerasMax = 8;
-  /// The least time between two messages with cameras; more for a crowd.
+  /// Minimum interval between two messages with cameras; longer for a crowd.
   static constexpr std::chrono::milliseconds kCameraInterval{60}, kCrowdCameraInterval{500};
-  /// Viewers of the past of one session: each has a copy of the block.
+  /// Viewers of the past per session; each has a copy of the block.
   static constexpr std::size_t kPastViewersMax = 4;
-  /// With more viewers than these it reads the session 20 times a second instead of 30, and sends
-  /// tool poses with the tiles.
+  /// With more viewers the hub reads the session 20 times a second instead of 30, and sends tool
+  /// poses with the tiles.
   static constexpr std::size_t kCrowd = 50;
   const std::shared_ptr<Session>& session() const { return session_; }
-  /// Waits until the session's thread has left the hub's work. The viewers' thread gives it none
-  /// afterwards: this is its last turn.
+  /// Waits until the session's thread has finished the hub's work. The viewers' thread adds none
+  /// afterwards, because this is its last turn.
   void finish_reading();
 
  private:
-  /// Thirty times a second: viewers interpolate poses in between, and a tile that changes all the
-  /// time is meshed at most this often. The second one is for a crowd.
+  /// Thirty times a second: viewers interpolate poses in between, and a permanently changing tile
+  /// is meshed at most this often. The second value is for a crowd.
   static constexpr std::chrono::milliseconds kTick{33}, kCrowdTick{50};
-  /// In order of the ids, side by side in memory: a crowd is visited several times a reading.
+  /// Ordered by id, contiguous in memory, because a crowd is visited several times per reading.
   template <class T>
   using ById = boost::container::flat_map<ParticipantId, T>;
   /// Belongs to the meshing thread while a job runs there.
@@ -78,7 +78,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   };
   struct Viewer {
     ViewerConversation* conversation = nullptr;
-    /// Tells its frames of the present, from before it looked at the past, from those after.
+    /// Distinguishes frames of the present from before and after a look at the past.
     std::uint64_t stay = 0;
     std::shared_ptr<PastViewer> past;  ///< null: it looks at the present
     bool is_past() const { return past && past->is_shown(); }
@@ -87,7 +87,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
     bool has_tools = false;                     ///< has been sent `tools_` already
     bool has_programs = false;                  ///< has been sent `programs_` already
     std::map<std::size_t, SharedText> matters_sent;  ///< those of `matters_` that it has
-    bool has_cameras = false;                        ///< the same of `cameras_`
+    bool has_cameras = false;                        ///< has been sent `cameras_` already
     std::optional<std::uint64_t> sent;  ///< every tile of this revision of the feed was sent
   };
   /// The block when the feed is created.
@@ -95,10 +95,10 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
     SolidSnapshot snapshot;
     std::uint64_t revision = 0;
   };
-  /// Requests that have come since the last job.
+  /// Requests since the last job.
   struct Job {
     bool is_for_all = false;       ///< the surface has changed: every viewer needs a frame
-    bool is_for_waiting = false;   ///< time has passed: those that wait for their budgets do
+    bool is_for_waiting = false;   ///< time has passed for viewers that wait for their budgets
     std::optional<Surface> first;  ///< creates the feed; later changes go to it directly
     struct Joined {
       ParticipantId id = 0;
@@ -123,7 +123,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
       std::uint64_t stay = 0;
       FeedFrame frame;
     };
-    std::vector<Frame> frames;  ///< those of a viewer together
+    std::vector<Frame> frames;  ///< those of a viewer are contiguous
     std::vector<ParticipantId> bad_acks;
     struct Sent {
       ParticipantId id = 0;
@@ -140,7 +140,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   void read_session();
   void take_frame(SessionFrame frame, bool has_surface);
   void start_overdue_snapshots();
-  /// Adds a viewer to the feed of the present, or takes it out.
+  /// Adds a viewer to the feed of the present, or removes it.
   void join_feed(ParticipantId id, const std::optional<ViewerLook>& look);
   void leave_feed(ParticipantId id);
   void show_past(ParticipantId id, Viewer& viewer, const SeekMessage& seek);
@@ -171,12 +171,12 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   bool has_feed_ = false;         ///< a job has made the feed
   bool has_waiting_ = false;      ///< viewers wait for their budgets
   bool is_reading_ = false;       ///< the session's thread has been asked for its state
-  bool reads_after_job_ = false;  ///< a crowd's reading waits for the job that runs
+  bool reads_after_job_ = false;  ///< a crowd's reading waits for the running job
   Clock::time_point next_reading_{};
   std::vector<std::byte> last_tools_;  ///< encoded without sequence and time, to detect changes
-  SharedBytes tools_;                  ///< tool poses that have not been passed on yet
+  SharedBytes tools_;                  ///< tool poses not passed on yet
   std::uint64_t tools_sent_ = 0;
-  SharedText programs_;  ///< the newest message on the programs; null: there are none
+  SharedText programs_;  ///< the newest message about the programs; null without any
   SharedText cameras_;   ///< the same
   std::map<std::size_t, SharedText> matters_;  ///< the newest message of each
   std::map<ParticipantId, ShownCamera> shown_;
@@ -191,7 +191,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
 class HubDirectory {
  public:
   std::shared_ptr<ViewerHub> get(const std::shared_ptr<Session>& session, PeerContext& context);
-  /// In the last turn of the viewers' thread: no session's thread works for a hub any more.
+  /// In the last turn of the viewers' thread: waits until no session's thread works for a hub.
   void finish_reading();
 
  private:

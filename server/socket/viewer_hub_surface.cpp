@@ -34,8 +34,8 @@ ViewerHub::JobResult ViewerHub::run_job(FeedSide& side, Job& job) {
     side.feed = std::make_unique<TileFeed>(std::move(snapshot), revision);
     job.is_for_all = true;
   }
-  // Else, on a busy machine, the block changes while the job runs, each viewer gets frames of its
-  // own, and the job takes longer still.
+  // Otherwise, on a busy machine, the block would change during the job, each viewer would get its
+  // own frames, and the job would take even longer.
   const TileFeed::Round round(*side.feed);
   for (const ParticipantId id : job.left) {
     const auto found = side.ids.find(id);
@@ -107,7 +107,7 @@ void ViewerHub::deliver(JobResult result) {
     next_reading_ = Clock::now() + kCrowdTick;
     read_session();  // and has it meshed while these frames leave
   }
-  // Poses leave before tiles, those who get both in one piece.
+  // Poses leave before tiles, and in one piece with them if a viewer gets both.
   ParticipantId previous = 0;
   for (auto& [id, stay, frame] : result.frames) {
     const bool is_first = std::exchange(previous, id) != id;

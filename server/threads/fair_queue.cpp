@@ -14,8 +14,8 @@
 namespace kerf {
 namespace {
 
-/// A job that has not begun. `watch` must be destroyed without a lock that `dropped` or the queue
-/// takes: it waits for a call that is in progress.
+/// A job that has not begun. Destroying `watch` waits for a call in progress, so no lock may be
+/// held that `dropped` or the queue takes.
 struct Waiting {
   FairQueue::Job job;
   std::optional<std::stop_callback<std::function<void()>>> watch;
@@ -43,7 +43,7 @@ struct FairQueue::State : std::enable_shared_from_this<State> {
   const int parallel;
   mutable std::mutex mutex;  ///< guards what follows
   std::map<std::string, Client> clients;
-  std::list<std::string> turns;  ///< clients with waiting jobs; who has waited longest is first
+  std::list<std::string> turns;  ///< clients with waiting jobs, the longest wait first
   int running = 0;
   bool is_closed = false;
 };
@@ -55,14 +55,14 @@ void FairQueue::State::enter(const WaitingPointer& waiting) {
   client.jobs.push_back(waiting);
 }
 
-/// Drops a client of whom nothing is known any more. Precondition: locked.
+/// Removes a client without jobs. Precondition: locked.
 void FairQueue::State::leave(const std::string& name) {
   const auto client = clients.find(name);
   if (client->second.jobs.empty()) turns.remove(name);
   if (client->second.jobs.empty() && client->second.running == 0) clients.erase(client);
 }
 
-/// The job whose turn it is; null if nobody may begin one. Precondition: locked.
+/// The next job in turn; null if none may begin. Precondition: locked.
 WaitingPointer FairQueue::State::take() {
   if (is_closed || running == parallel || turns.empty()) return nullptr;
   const auto next = std::ranges::min_element(
@@ -96,7 +96,7 @@ void FairQueue::State::run(WaitingPointer next) {
   const std::string client = next->job.client;
   Work work = std::move(next->job.work);
   next.reset();
-  // Also when the work throws, which the executor reports.
+  // Also if the work throws, which the executor reports.
   const auto end = [this, &client](State* state) {
     {
       const std::lock_guard lock(mutex);
@@ -108,10 +108,10 @@ void FairQueue::State::run(WaitingPointer next) {
   };
   const std::unique_ptr<State, decltype(end)> ended(this, end);
   work();
-  work = {};  // what it owns is free before others begin
+  work = {};  // frees its data before other jobs begin
 }
 
-/// Ends a job whose stop is requested, if it has not begun.
+/// Drops a job whose stop is requested, if it has not begun.
 void FairQueue::State::drop(const Waiting* unwanted) {
   WaitingPointer dropped;
   {
@@ -142,7 +142,7 @@ FairQueue::~FairQueue() {
 void FairQueue::post(Job job) {
   const auto waiting = std::make_shared<Waiting>(std::move(job));
   state_->enter(waiting);
-  // Kept here until it is made: the job may have begun or been dropped by then.
+  // Kept here until it is constructed, because the job may have begun or been dropped by then.
   waiting->watch.emplace(waiting->job.stop,
                          [weak = std::weak_ptr(state_), unwanted = waiting.get()] {
                            if (const auto state = weak.lock()) state->drop(unwanted);

@@ -8,7 +8,7 @@
 
 namespace kerf {
 
-/// Three threads on which clients take turns: one client has two of them at most.
+/// Three threads on which clients take turns. One client has at most two of them.
 struct FairThreads {
   FairThreads(const std::string& name, int niceness) : threads(name, kCount, niceness) {}
 

@@ -47,20 +47,20 @@ struct SchedulingAttributes {
   std::uint64_t slice_ns = 0, deadline_ns = 0, period_ns = 0;
 };
 
-/// Sets how the calling thread competes for the cores. On Linux niceness belongs to the thread;
-/// neither a higher one, nor SCHED_BATCH, nor a slice needs a privilege.
+/// Sets the scheduling of the calling thread. On Linux niceness belongs to the thread. Neither a
+/// higher niceness, nor SCHED_BATCH, nor a slice needs a privilege.
 void set_priority(int niceness) {
   const auto thread = static_cast<id_t>(syscall(SYS_gettid));
   SchedulingAttributes attributes;
   attributes.niceness = getpriority(PRIO_PROCESS, thread);  // of the process
   if (niceness > 0) attributes.niceness = std::max(attributes.niceness, niceness);
   if (niceness > 0) {
-    attributes.policy = SCHED_BATCH;  // a thread that wakes up interrupts nobody
+    attributes.policy = SCHED_BATCH;  // a waking thread preempts nobody
   } else {
     attributes.slice_ns = kShortSliceNs;
   }
   if (syscall(SYS_sched_setattr, 0, &attributes, 0U) == 0) return;
-  // A container may forbid it, but not this.
+  // A container may forbid the former, but not this.
   setpriority(PRIO_PROCESS, thread, attributes.niceness);
   const sched_param none{};
   if (niceness > 0) sched_setscheduler(0, SCHED_BATCH, &none);
@@ -85,7 +85,7 @@ void run(asio::io_context& context, const std::string& name, int niceness) {
 IoThreads::IoThreads(const std::string& name, int threads, int niceness)
     : state_(std::make_shared<State>(threads)) {
   for (int i = 0; i < threads; ++i) {
-    // The thread shares the state, because work that it runs may destroy these IoThreads.
+    // The thread shares the state, because its work may destroy these IoThreads.
     state_->threads.emplace_back(
         [state = state_, name, niceness] { run(state->context, name, niceness); });
     pthread_setname_np(state_->threads.back().native_handle(), name.substr(0, 15).c_str());

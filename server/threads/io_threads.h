@@ -19,8 +19,8 @@ class IoThreads final : public Executor {
   /// creator and cannot lower it, so the threads of agents must be created by a thread of niceness
   /// 0 (see create_nested).
   IoThreads(const std::string& name, int threads, int niceness);
-  /// Creates IoThreads on a thread of this one, from which they inherit the niceness, and waits for
-  /// them. Must not be called on that thread.
+  /// Creates IoThreads on a thread of this object, whose niceness they inherit, and waits for them.
+  /// Must not be called on that thread.
   std::shared_ptr<IoThreads> create_nested(const std::string& name, int threads, int niceness);
   /// Stops and joins the threads. When called on one of them, that thread ends by itself
   /// afterwards.

@@ -10,9 +10,10 @@
 
 namespace kerf {
 
-/// Runs `work()` on the executor, blocks until it is done and returns its result, or throws what it
-/// throws. Calling it on a thread of the executor itself would deadlock. The promise belongs to the
-/// thread that keeps it: who waits for one may destroy it while set_value() has not returned.
+/// Runs `work()` on the executor, blocks until it is done and returns its result, or throws its
+/// exception. Calling it on a thread of the executor itself would deadlock. The promise belongs to
+/// the thread that fulfills it, because the waiting thread could destroy it before set_value()
+/// returns.
 template <typename Work>
 std::invoke_result_t<Work&> run_and_wait(Executor& executor, Work work) {
   std::promise<std::invoke_result_t<Work&>> promise;

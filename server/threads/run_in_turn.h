@@ -17,8 +17,8 @@
 
 namespace kerf {
 
-/// Runs `work()` as a job of a client; the awaiting coroutine continues on its own thread with the
-/// result, or with nothing as soon as a stop is requested before the job has begun. `work` must not
+/// Runs `work()` as a job of a client. The awaiting coroutine continues on its own thread with the
+/// result, or with nullopt as soon as a stop is requested before the job has begun. `work` must not
 /// throw.
 template <typename Work>
 boost::asio::awaitable<std::optional<std::invoke_result_t<Work&>>> run_in_turn(FairQueue& queue,

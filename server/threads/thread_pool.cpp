@@ -12,13 +12,13 @@
 namespace kerf {
 namespace {
 
-/// How long a thread spins before it sleeps.
+/// Spinning time of a thread before it sleeps.
 constexpr std::chrono::microseconds kSpinTime{50};
 
-/// A caller counts as delayed if it waits for more than 1/kWaitShare of the time that it worked.
-/// Jobs are small, so helpers that have a core end soon after the caller.
+/// A caller counts as delayed if it waits for more than 1/kWaitShare of its working time. Jobs are
+/// small, so helpers with a core end soon after the caller.
 constexpr int kWaitShare = 4;
-/// Limit of the runs without helpers after delays.
+/// Most runs without helpers after delays.
 constexpr int kPenaltyMax = 63;
 
 void pause() {
@@ -89,7 +89,7 @@ void ThreadPool::divide(int jobs, const std::function<void(int)>& job) {
   job_ = nullptr;
 }
 
-/// Does jobs until none is left to start.
+/// Runs jobs until none is left to start.
 void ThreadPool::work() {
   std::unique_lock lock(mutex_);
   while (job_ != nullptr && next_ < jobs_) {

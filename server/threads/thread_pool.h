@@ -20,8 +20,8 @@ namespace kerf {
 /// caller, the next runs are done without helpers.
 class ThreadPool final : public Workers {
  public:
-  /// What a thread does after a run: the motions of a program follow each other faster than it
-  /// wakes up, those of agents do not.
+  /// Behavior of a thread after a run. The motions of a program follow each other faster than a
+  /// thread wakes up, those of agents do not.
   enum class Idle { kSpinsBriefly, kSleeps };
   /// `threads` >= 1, including the caller's.
   explicit ThreadPool(int threads, Idle idle = Idle::kSpinsBriefly);

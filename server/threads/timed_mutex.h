@@ -9,8 +9,8 @@
 
 namespace kerf {
 
-/// std::timed_mutex, made of a mutex and a condition: ThreadSanitizer of GCC 12 knows their waits,
-/// and not pthread_mutex_clocklock, with which std::timed_mutex waits. For locks that are held for
+/// std::timed_mutex, built from a mutex and a condition: ThreadSanitizer of GCC 12 knows their
+/// waits, but not pthread_mutex_clocklock, which std::timed_mutex uses. For locks that are held for
 /// long and taken rarely.
 class TimedMutex {
  public:

@@ -17,8 +17,8 @@
 namespace kerf::net {
 namespace {
 
-// OpenSSL's own BIO of a socket raises SIGPIPE when the peer is gone, which ends a program that has
-// not asked for TLS but for a haptic device. `BIO_get_data` holds the socket.
+// OpenSSL's own socket BIO raises SIGPIPE when the peer is gone, which would end a program that
+// only uses a haptic device. `BIO_get_data` holds the socket.
 
 int socket_of(BIO* bio) {
   return static_cast<int>(reinterpret_cast<std::intptr_t>(BIO_get_data(bio)));
@@ -61,7 +61,7 @@ bool is_address(const std::string& host) {
          inet_pton(AF_INET6, host.c_str(), &address) == 1;
 }
 
-/// Why the certificate of a server is not accepted.
+/// Describes why the certificate of a server is not accepted.
 std::string describe_certificate(long fault, const std::string& host) {
   const std::string subject = "the certificate of " + host;
   switch (fault) {
@@ -84,8 +84,8 @@ std::string describe_certificate(long fault, const std::string& host) {
 }
 
 /// Whether the next attempt would fail for the same reason: the certificate is not accepted, or the
-/// peer does not speak this TLS. Anything else, such as an alert of a server that is overloaded or
-/// restarting, may pass.
+/// peer does not support this TLS. Any other failure, such as an alert of an overloaded or
+/// restarting server, may pass.
 bool is_lasting(int reason) {
   switch (reason) {
     case SSL_R_CERTIFICATE_VERIFY_FAILED:
@@ -121,7 +121,7 @@ TlsChannel::TlsChannel(const TlsContext& context, int socket, std::string host)
     : host_(std::move(host)), native_(std::make_unique<Native>(context, socket)) {
   SSL* ssl = native_->ssl.get();
   SSL_set_connect_state(ssl);
-  // A host that cannot be set stays unverified, so it must not connect.
+  // A host that cannot be set would stay unverified, so it must not connect.
   bool is_set = false;
   if (is_address(host_)) {
     is_set = X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(ssl), host_.c_str()) == 1;

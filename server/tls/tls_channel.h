@@ -13,17 +13,17 @@ struct ssl_st;
 
 namespace kerf::net {
 
-/// How far an operation of a TlsChannel has come.
+/// State of an operation of a TlsChannel.
 enum class TlsStep : std::uint8_t {
   kDone,
   kWantsRead,   ///< repeat it with the same arguments when the socket is readable
   kWantsWrite,  ///< the same, writable
-  kClosed,      ///< the peer sends nothing more
-  kFailed,      ///< failure() says why; the channel is of no use
+  kClosed,      ///< the peer sends no more data
+  kFailed,      ///< failure() says why; the channel must not be used any more
 };
 
-/// One TLS connection over a connected TCP socket. Knows nothing of threads and waits for nothing;
-/// its owner waits for the socket. Calls must not overlap.
+/// One TLS connection over a connected TCP socket. Has no threads and never waits; its owner waits
+/// for the socket. Calls must not overlap.
 class TlsChannel {
  public:
   /// The server's end. `socket` must outlive the channel.
@@ -34,22 +34,22 @@ class TlsChannel {
   TlsChannel(const TlsChannel&) = delete;
   TlsChannel& operator=(const TlsChannel&) = delete;
 
-  /// Must be done before anything else.
+  /// Must be completed before any other operation.
   TlsStep handshake();
   /// Reads 1 to `to.size()` bytes.
   TlsStep read(std::span<std::byte> to, std::size_t& count);
-  /// Writes some of the bytes.
+  /// Writes at least one of the bytes.
   TlsStep write(std::span<const std::byte> from, std::size_t& count);
-  /// Tells the peer that nothing more comes, if the socket takes it.
+  /// Notifies the peer that no more data follows, if the socket accepts it.
   void say_end();
-  /// Whether the peer has closed its end, as far as has arrived. Takes nothing.
+  /// Whether the peer has closed its end, as far as data has arrived. Consumes nothing.
   bool has_peer_ended();
 
   /// Why the handshake, or an operation, has failed: one clause for users.
   std::string failure() const { return failure_; }
-  /// The failure comes from what the peer says, not from the network: to try again is of no use.
+  /// Whether the failure comes from the peer, not from the network, so that retrying does not help.
   bool is_final() const { return is_final_; }
-  /// The handshake has failed because the peer speaks HTTP, or something else, without TLS.
+  /// Whether the handshake has failed because the peer speaks HTTP, or something else, without TLS.
   bool is_peer_plain() const { return is_peer_plain_; }
 
  private:

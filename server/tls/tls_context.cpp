@@ -28,14 +28,14 @@ std::shared_ptr<ssl_ctx_st> new_context(const SSL_METHOD* method) {
   std::shared_ptr<SSL_CTX> context(SSL_CTX_new(method), SSL_CTX_free);
   if (!context) return nullptr;
   SSL_CTX_set_min_proto_version(context.get(), TLS1_3_VERSION);
-  // A peer may close TCP without saying so in TLS. Nothing here depends on it: HTTP bodies have a
+  // A peer may close TCP without closing TLS. Nothing here depends on it: HTTP bodies have a
   // length, WebSockets a close frame.
   SSL_CTX_set_options(context.get(), SSL_OP_IGNORE_UNEXPECTED_EOF | SSL_OP_NO_RENEGOTIATION);
   SSL_CTX_set_mode(context.get(), SSL_MODE_ENABLE_PARTIAL_WRITE |
                                       SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER |
                                       SSL_MODE_RELEASE_BUFFERS);
-  // Tickets that a client has not read when it closes would reset the connection, and what it sent
-  // last would be lost.
+  // Tickets that a client has not read when it closes would reset the connection, and its last data
+  // would be lost.
   SSL_CTX_set_num_tickets(context.get(), 0);
   SSL_CTX_set_session_cache_mode(context.get(), SSL_SESS_CACHE_OFF);
   return context;
@@ -78,7 +78,7 @@ std::expected<TlsContext, std::string> TlsContext::of_server(
     return std::unexpected("the certificate " + certificate.string() +
                            " cannot be used: " + library_error());
   }
-  // A server cannot be asked for the password of a key.
+  // A server has nobody to ask for the password of a key.
   bool is_encrypted = false;
   SSL_CTX_set_default_passwd_cb_userdata(native.get(), &is_encrypted);
   SSL_CTX_set_default_passwd_cb(native.get(), [](char*, int, int, void* asked) {

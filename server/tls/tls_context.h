@@ -17,12 +17,12 @@ namespace kerf::net {
 /// share them.
 class TlsContext {
  public:
-  /// A server that proves who it is with a certificate: PEM files of the chain, its own certificate
-  /// first, and of the private key. The error is one sentence.
+  /// A server with a certificate: PEM files of the chain, its own certificate first, and of the
+  /// private key. The error is one sentence.
   static std::expected<TlsContext, std::string> of_server(const std::filesystem::path& certificate,
                                                           const std::filesystem::path& key);
-  /// A client that accepts servers whose certificates come from the authorities of a PEM file, or,
-  /// if it is empty, from those of the system. The error is one sentence.
+  /// A client that accepts certificates of the authorities in a PEM file, or, if it is empty, of
+  /// the system's. The error is one sentence.
   static std::expected<TlsContext, std::string> of_client(const std::filesystem::path& authorities);
 
   /// The validity of a server's certificate, seconds since 1970.
@@ -46,11 +46,11 @@ class TlsCertificate {
   /// For new connections.
   TlsContext current() const;
   /// Why clients reject the present certificate: it has expired, or is not valid yet. One sentence,
-  /// with the dates; nullopt: they do not, as far as time goes.
+  /// with the dates; nullopt if its dates are valid.
   std::optional<std::string> fault() const;
-  /// Reads the files again. Connections that exist continue with the certificate that they have
-  /// seen. If the files cannot be used, or the certificate is not valid now, the last one stays,
-  /// and the error says why.
+  /// Reads the files again. Existing connections continue with the previous certificate. If the
+  /// files cannot be used, or the certificate is not valid now, the previous one stays, and the
+  /// error says why.
   std::expected<void, std::string> reload();
 
  private:

@@ -31,7 +31,7 @@ class UdpPort {
   /// Creates a connection with its own keys; null if UDP is off. `take` is called on `executor`,
   /// which must exist until the peer is closed.
   std::shared_ptr<UdpPeer> open(Executor& executor, UdpPeer::Take take);
-  /// Nothing is posted to the peer's executor from now on; its keys become invalid.
+  /// Stops posting to the peer's executor and invalidates its keys.
   void close(const UdpPeer& peer);
 
  private:

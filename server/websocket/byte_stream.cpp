@@ -45,7 +45,7 @@ asio::awaitable<error_code> ByteStream::shake_hands() {
 void ByteStream::flush() {
   std::vector<std::byte>& held = out_->held;
   if (out_->is_sending || held.empty() || !socket_.is_open()) return;
-  // A peer that does not read gets the rest before what is written next.
+  // A peer that does not read gets the rest before the next data.
   const auto count =
       ::send(socket_.native_handle(), held.data(), held.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
   if (count > 0) held.erase(held.begin(), held.begin() + count);
@@ -88,7 +88,7 @@ void ByteStream::write_tls(Done done) {
 /// Repeats the attempt until it has ended. An operation never ends within the call that starts it.
 void ByteStream::go_on(Attempt attempt, Done done, bool is_first) {
   std::size_t count = 0;
-  // The number of a closed descriptor may belong to another connection by now.
+  // By now the number of a closed descriptor may belong to another connection.
   const bool is_open = socket_.is_open();
   const TlsStep step = is_open ? attempt(count) : TlsStep::kFailed;
   if (waits(step)) {

@@ -21,10 +21,10 @@
 
 namespace kerf::net {
 
-/// A connected TCP socket, with TLS or without: an asynchronous stream of Asio, of which Beast
-/// makes HTTP and WebSockets. One type for both, so that Beast's templates are compiled once. At
-/// most one read and one write may be in progress; it must not move meanwhile, and it must outlive
-/// them. Everything runs on the one thread of the socket's executor.
+/// A connected TCP socket, with or without TLS: an asynchronous stream of Asio, on which Beast
+/// implements HTTP and WebSockets. One type for both, so that Beast's templates are compiled once.
+/// At most one read and one write may be in progress. The stream must not move during them, and
+/// must outlive them. Everything runs on the one thread of the socket's executor.
 class ByteStream {
  public:
   using executor_type = boost::asio::any_io_executor;
@@ -39,23 +39,23 @@ class ByteStream {
   }
 
   executor_type get_executor() { return socket_.get_executor(); }
-  /// For options, addresses and waiting. What is read from it is ciphertext if there is TLS.
+  /// For options, addresses and waiting. With TLS, its data is ciphertext.
   boost::asio::ip::tcp::socket& socket() { return socket_; }
   /// Null without TLS.
   TlsChannel* tls() { return tls_.get(); }
-  /// Gives up the channel, to continue with the same TCP socket on another thread.
+  /// Releases the channel, to continue with the same TCP socket on another thread.
   std::unique_ptr<TlsChannel> release_tls() { return std::move(tls_); }
 
-  /// Shakes hands if there is TLS; the channel says why it failed.
+  /// Performs the handshake if there is TLS. On failure the channel says why.
   boost::asio::awaitable<boost::system::error_code> shake_hands();
-  /// Whether what is written is held for what is written next, so that both leave together, in one
-  /// call of the operating system if it is short. Ignored with TLS.
+  /// Whether written data is held for the next write, so that both leave together, in one system
+  /// call if they are short. Ignored with TLS.
   void hold(bool on) { hold_ = on; }
-  /// Sends what is held, because nothing follows.
+  /// Sends held data, because nothing follows.
   void flush();
-  /// Tells the peer that nothing more comes, in TLS too.
+  /// Notifies the peer that no more data follows, in TLS too.
   void end_sending();
-  /// Whether the peer has closed its end, as far as has arrived.
+  /// Whether the peer has closed its end, as far as data has arrived.
   bool has_peer_ended();
   /// Closes the socket; operations in progress end with an error.
   void close();
@@ -76,7 +76,7 @@ class ByteStream {
           if (!tls_ && !hold_ && out_->held.empty())
             return socket_.async_send(from, std::move(handler));
           if (!tls_) return send_or_hold(parts_of(from), std::move(handler));
-          // One record for all parts, of at most the size that TLS allows.
+          // One record for all parts, at most as large as TLS allows.
           outgoing_.resize(std::min(boost::asio::buffer_size(from), kRecordBytes));
           boost::asio::buffer_copy(boost::asio::buffer(outgoing_), from);
           write_tls(Done(std::move(handler)));
@@ -87,7 +87,7 @@ class ByteStream {
  private:
   static constexpr std::size_t kRecordBytes = std::size_t{16} * 1024;
   static constexpr std::size_t kHeldBytesMax = 2048;
-  /// Parts of a message that are sent at once; the others are sent afterwards.
+  /// Parts of a message that are sent at once; further parts are sent afterwards.
   using Parts = std::array<boost::asio::const_buffer, 6>;
   using Attempt = std::move_only_function<TlsStep(std::size_t& count)>;
 
@@ -103,7 +103,7 @@ class ByteStream {
   template <class Buffers>
   static Parts parts_of(const Buffers& buffers) {
     Parts parts{};
-    std::size_t count = 0;  // the first one is for what is held
+    std::size_t count = 0;  // the first one is for held data
     const auto end = boost::asio::buffer_sequence_end(buffers);
     for (auto part = boost::asio::buffer_sequence_begin(buffers); part != end; ++part) {
       const boost::asio::const_buffer bytes = *part;
@@ -113,14 +113,14 @@ class ByteStream {
     }
     return parts;
   }
-  /// What is held. An operation that is in progress shares it, because one of a WebSocket's own,
-  /// such as a ping, may end after the stream.
+  /// Held data. An operation in progress shares it, because one of a WebSocket's own, such as a
+  /// ping, may end after the stream.
   struct Outgoing {
     std::vector<std::byte> held;
     bool is_sending = false;
     boost::asio::ip::tcp::socket* socket = nullptr;  ///< null: the stream is gone
   };
-  /// Sends the parts behind what is held, or holds them.
+  /// Sends the parts after the held data, or holds them.
   template <class Handler>
   void send_or_hold(Parts parts, Handler handler) {
     std::vector<std::byte>& held = out_->held;
@@ -147,7 +147,7 @@ class ByteStream {
       const std::size_t held = std::min(count, out->held.size());
       out->held.erase(out->held.begin(), out->held.begin() + static_cast<std::ptrdiff_t>(held));
       parts.front() = {};
-      // Of what was asked to be written, nothing has left yet.
+      // None of the requested data has left yet.
       if (!error && out->socket != nullptr && count == held &&
           boost::asio::buffer_size(parts) > 0) {
         return send(out, parts, more, std::move(handler));
@@ -167,7 +167,7 @@ class ByteStream {
   std::vector<std::byte> outgoing_;  ///< being written with TLS
 };
 
-/// For Beast: what a WebSocket does when its deadline has passed.
+/// For Beast: closes a WebSocket whose deadline has passed.
 inline void beast_close_socket(ByteStream& stream) { stream.close(); }
 
 }  // namespace kerf::net

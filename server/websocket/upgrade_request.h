@@ -6,7 +6,7 @@
 
 namespace kerf::net {
 
-/// The request of a client that asks for a WebSocket, as HTTP has read it.
+/// A client's request for a WebSocket, as read by HTTP.
 struct UpgradeRequest {
   boost::beast::http::request<boost::beast::http::empty_body> message;
 };

@@ -18,10 +18,10 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using boost::system::error_code;
 
-/// For Beast: the end of the connection below a WebSocket that has been closed.
+/// For Beast: ends the connection below a closed WebSocket.
 template <class Handler>
 void async_teardown(beast::role_type role, ByteStream& stream, Handler&& handler) {
-  stream.flush();  // the close frame may be held behind a message that does not follow any more
+  stream.flush();  // the close frame may be held after a message that nothing follows
   if (stream.tls() != nullptr && stream.socket().is_open()) stream.tls()->say_end();
   websocket::async_teardown(role, stream.socket(), std::forward<Handler>(handler));
 }
@@ -97,7 +97,7 @@ asio::awaitable<HandshakeAnswer> WebSocket::shake_hands(std::string_view host,
 asio::awaitable<error_code> WebSocket::read() {
   error_code error;
   state_->in.clear();
-  // Who does not read does not see what comes, pongs included: a long batch is being cut.
+  // While a long batch is being cut, nothing is read, pongs included.
   state_->limit_silence(true);
   co_await state_->stream.async_read(state_->in, asio::redirect_error(asio::use_awaitable, error));
   state_->limit_silence(false);

@@ -24,13 +24,13 @@ struct UpgradeRequest;
 /// Deadlines of a WebSocket, and the size of its messages.
 struct WebSocketLimits {
   std::chrono::milliseconds handshake;  ///< for the opening and for the closing handshake
-  /// A peer from which nothing has come for half of this time is pinged; after all of it, reading
-  /// fails. It counts from the beginning of a read: who reads nothing for long loses no peer.
+  /// A peer that is silent for half of this time is pinged; after all of it, reading fails. It
+  /// counts from the start of a read, so an owner that does not read for long loses no peer.
   std::chrono::milliseconds idle;
   std::size_t message_bytes;  ///< a longer one ends the connection with close code 1009
 };
 
-/// The server's answer to a client that asks for a WebSocket.
+/// The server's answer to a request for a WebSocket.
 struct HandshakeAnswer {
   boost::system::error_code error;  ///< set if there is no WebSocket
   /// HTTP status and body of a server that has declined; 0 and empty otherwise.
@@ -62,11 +62,11 @@ class WebSocket {
   /// The underlying socket, for its options and addresses.
   boost::asio::ip::tcp::socket& tcp();
 
-  /// Answers `request`, which must remain meanwhile, as a server that speaks `protocol`.
+  /// Accepts `request`, which must remain valid until then, as a server that speaks `protocol`.
   Awaitable<boost::system::error_code> accept(const UpgradeRequest& request,
                                               std::string_view protocol);
-  /// Asks `host` (name and port) for a WebSocket at `target` that speaks `protocol`, with `token`
-  /// in an Authorization header unless it is empty.
+  /// Requests a WebSocket of `host` (name and port) at `target` with the sub-protocol `protocol`,
+  /// and `token` in an Authorization header unless it is empty.
   Awaitable<HandshakeAnswer> shake_hands(std::string_view host, std::string_view target,
                                          std::string_view protocol, std::string_view token = {});
   /// Waits for the next message; the functions below describe it until the next read.
@@ -74,12 +74,12 @@ class WebSocket {
   std::span<const std::byte> message() const;
   std::string_view text() const;
   bool is_text() const;
-  /// The messages from now on are held until one follows for which hold is off, or a packet is
-  /// full; then they leave together, which costs about as much as one. Without TLS only. Call
-  /// flush() if none follows.
+  /// Messages from now on are held until one follows for which hold is off, or a packet is full.
+  /// Then they leave together, which costs about as much as one. Without TLS only. Call flush() if
+  /// none follows.
   void hold(bool on);
   void flush();
-  /// Sends the parts as one message. Their bytes must remain until `written` is called.
+  /// Sends the parts as one message. Their bytes must remain valid until `written` is called.
   void write(bool text, std::array<boost::asio::const_buffer, 2> parts, Written written);
   /// The same for a coroutine.
   Awaitable<boost::system::error_code> write(bool text, boost::asio::const_buffer bytes);

@@ -8,10 +8,10 @@
 
 namespace kerf::wire {
 
-/// Returns a checksum of bytes, as README.md defines it for mesh frames; `start` is that of what
-/// comes before them. Each step is a bijection of the checksum and of the word, so a change within
-/// one word of four bytes is always seen, and any other but once in 2^32. It is no signature: who
-/// changes bytes on purpose can change the checksum too.
+/// Returns a checksum of bytes, as defined for mesh frames in README.md; `start` is the checksum of
+/// the preceding bytes. Each step is a bijection of the checksum and of the word, so a change
+/// within one four-byte word is always detected, any other except once in 2^32. It is not a
+/// signature: deliberate changes can include the checksum.
 constexpr std::uint32_t checksum(std::span<const std::byte> bytes,
                                  std::uint32_t start = 0) noexcept {
   std::uint32_t sum = start;

@@ -27,8 +27,8 @@ enum class DecodeErrorCode : std::uint8_t {
   kBadChecksum,
 };
 
-/// Why a frame was rejected. `offset` is the byte offset of the invalid field in the frame;
-/// `reason` is static text.
+/// The reason why a frame was rejected. `offset` is the byte offset of the invalid field in the
+/// frame; `reason` is static text.
 struct DecodeError {
   DecodeErrorCode code = DecodeErrorCode::kTooShort;
   std::size_t offset = 0;

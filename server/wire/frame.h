@@ -37,7 +37,7 @@ inline constexpr std::uint8_t kStockReturned = 2;
 /// sequence of the agent.
 inline constexpr std::uint8_t kStatesDurable = 1;
 
-/// The header fields that the sender sets for each frame; the encoder fills in the others.
+/// The header fields that the sender sets for each frame. The encoder fills in the rest.
 struct FrameStamp {
   /// Grows when the server reopens a session.
   std::uint32_t epoch = 0;

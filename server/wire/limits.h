@@ -67,8 +67,8 @@ static_assert(kHeaderBytes + kListHeadBytes + kMaxToolStates * kToolStateBytes <
               kMaxServerFrameBytes);
 static_assert(kMaxHeaderBytes <= kMaxClientFrameBytes);
 
-/// A request for a session that is being loaded waits for it as long as this, s. Agents wait longer
-/// for the answer to an upgrade.
+/// Time for which a request for a session that is being loaded waits, s. Agents wait longer for the
+/// answer to an upgrade.
 inline constexpr int kLoadWaitS = 5;
 
 }  // namespace kerf::wire

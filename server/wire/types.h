@@ -26,12 +26,12 @@ inline constexpr std::uint32_t kStatusColliding = 2;
 inline constexpr std::uint32_t kStatusRejected = 4;
 /// Only in results over UDP: samples are missing before those received.
 inline constexpr std::uint32_t kStatusGap = 8;
-/// Some of the removed volume lay inside the tool where a motion began, and gives no force.
+/// Part of the removed volume was inside the tool at the start of a motion, and gives no force.
 inline constexpr std::uint32_t kStatusImprint = 16;
 /// Only in tool states: ToolState::felt_share is stated.
 inline constexpr std::uint32_t kStatusFelt = 32;
 
-/// One pose of a tool. It stands for the motion from the previous sample to this one; without
+/// One pose of a tool, which represents the motion from the previous sample to this one. Without
 /// kButtonCutting the motion does not cut.
 struct MotionSample {
   /// From 1, consecutive. The server skips samples with a number that it has received.
@@ -62,28 +62,27 @@ struct MotionBatch {
 /// Bits of ContactPlane::flags: the kind of surface.
 inline constexpr std::uint32_t kContactObstacle = 1;
 inline constexpr std::uint32_t kContactStock = 2;
-/// A further point of the contact of the plane before it, which touches along a line or with an
-/// area.
+/// Another point of the contact of the previous plane, along a line or over an area.
 inline constexpr std::uint32_t kContactContinues = 4;
 
 /// Plane approximation of a surface near one point of the tool (Adachi's intermediate
 /// representation), from which an agent renders the contact between two results. A contact at one
-/// point is one plane. One along a line or with an area is two or three, whose points are about its
-/// center of pressure and have it as their mean: they have equal normals and depths, and equal
-/// parts of the contact's stiffness, so that their pushes add up to that of the contact.
+/// point is one plane. One along a line or over an area is two or three, whose points surround its
+/// center of pressure and average to it. They have equal normals and depths, and equal shares of
+/// the contact's stiffness, so that their pushes add up to that of the contact.
 struct ContactPlane {
-  /// Of a contact at one point: the center of pressure, that is, the mean over the area of contact,
-  /// weighted by the square of the depth. Of a gap: the tool's nearest point. At the pose of the
-  /// answered sample.
+  /// At the pose of the answered sample. For a contact at one point the center of pressure: the
+  /// mean over the area of contact, weighted by the square of the depth. For a gap the tool's
+  /// nearest point.
   Vec3 point_mm{};
   /// Unit vector out of the surface: the direction of the contact force.
   Vec3f normal{};
-  /// Penetration of the contact's deepest point, which `point_mm` need not be; negative: width of
-  /// the gap.
+  /// Penetration at the deepest point of the contact, which may differ from `point_mm`; negative:
+  /// width of the gap.
   float depth_mm = 0.0F;
   /// Contact force per depth.
   float stiffness_n_per_mm = 0.0F;
-  /// The plane is not valid farther from `point_mm` than this.
+  /// The plane is valid within this distance of `point_mm`.
   float radius_mm = 0.0F;
   std::uint32_t flags = 0;
 
@@ -146,13 +145,13 @@ struct MeshView {
   std::span<const std::byte> glb;
 };
 
-/// What remains of one tile: an agent intersects its replica with it. After decoding, the bytes
-/// belong to the decoded frame.
+/// The remaining material of one tile, with which an agent intersects its replica. After decoding,
+/// the bytes belong to the decoded frame.
 struct StockTile {
   /// Axis of the rays: 0 for X, 1 for Y, 2 for Z.
   std::uint32_t axis = 2;
   std::uint32_t x = 0, y = 0;
-  /// Columns, encoded as specified in README.md; empty: no change to the tile.
+  /// Columns, encoded as specified in README.md; empty: unchanged.
   std::span<const std::byte> columns;
 };
 
@@ -160,21 +159,21 @@ struct StockTile {
 struct StockPatch {
   /// Discard all earlier patches and start from the stock of the welcome.
   bool reset = false;
-  /// Stock may have come back to these tiles: begin each again from the stock of the welcome. One
+  /// Stock may have come back to these tiles: start each over from the stock of the welcome. One
   /// without columns is unknown from then on.
   bool returned = false;
-  /// Samples of this agent up to this time of its clock were cut from the tiles, or rejected; 0:
-  /// none.
+  /// Samples of this agent up to this time of its clock are cut from the tiles, or rejected; 0
+  /// before the first.
   std::uint64_t agent_time_us = 0;
   std::vector<StockTile> tiles;
 };
 
-/// A pose of the tool of another participant near an agent's. It is sent ahead of the stock frames,
-/// which hold what the tool has cut.
+/// A pose of another participant's tool near the agent's. It is sent ahead of the stock frames with
+/// its cuts.
 struct Intent {
   std::uint32_t participant = 0;
   std::uint32_t tool_id = 0;
-  /// The author's clock at the pose. Only differences have a meaning.
+  /// The author's clock at the pose. Only differences are meaningful.
   std::uint64_t time_us = 0;
   /// `time_us` of the newest sample that the server had from the receiver when it had this pose.
   std::uint64_t agent_time_us = 0;
@@ -186,7 +185,7 @@ struct Intent {
   bool operator==(const Intent&) const = default;
 };
 
-/// The tools near an agent's; those that are not listed are no longer near. Only the first `count`
+/// The tools near an agent's; tools that are not listed are no longer near. Only the first `count`
 /// are sent.
 struct Intents {
   std::uint32_t count = 0;
@@ -208,7 +207,8 @@ struct Ping {
 struct Pong {
   std::uint64_t ping_time_us = 0;
   std::uint64_t time_us = 0;
-  /// To an agent as in a result; to a viewer that verifies: of the last mesh frame sent before.
+  /// To an agent as in a result; to a viewer that verifies, the sequence of the last mesh frame
+  /// sent before.
   std::uint64_t durable_sequence = 0;
   bool operator==(const Pong&) const = default;
 };
