@@ -17,7 +17,7 @@ struct Finding {
   std::string what;                  ///< with its amount: "0.500 mm too deep"
   std::string place;                 ///< "part.nc:12"; empty if no line is its cause
   std::uint32_t file = 0, line = 0;  ///< of its position (ProgramMotion)
-  ToolId tool = 0;                   ///< 0: none
+  ToolId tool = 0;                   ///< 0 without one
   std::optional<Vec3> at_mm;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The threads of a ClusterNode: one renews its leases, one watches those of all, and some take
-// those of servers that are gone.
+// The threads of a ClusterNode: one renews its leases, one watches all leases, and some take the
+// leases of lost servers.
 #include <algorithm>
 #include <condition_variable>
 #include <system_error>
@@ -228,7 +228,7 @@ void ClusterNode::Impl::take(const std::string& id) {
   registry->give_up(id);
   {
     const std::lock_guard lock(mutex);
-    if (is_open && !own.find(id)) lost.try_emplace(id, Clock::boot_ns());  // meanwhile
+    if (is_open && !own.find(id)) lost.try_emplace(id, Clock::boot_ns());  // in the meantime
     if (is_open) return;
     again_ns[id] = Clock::boot_ns() + kRetryNs;
   }
@@ -269,7 +269,7 @@ void ClusterNode::Impl::hand_over_lost() {
     });
   }
   for (const auto& [id, at] : ended) {
-    if (own.find(id)) continue;  // taken again meanwhile
+    if (own.find(id)) continue;  // taken again since
     log::warn("session " + id + ": another server continues it" + (at.empty() ? "" : ": " + at));
     registry->hand_over(id, "another server continues the session", at);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// NatsConnection of a program that is built without libnats: none can be opened.
+// NatsConnection of a program built without libnats: open() always fails.
 #include "server/cluster/nats_connection.h"
 
 namespace kerf {

@@ -57,7 +57,7 @@ class NatsWatch {
 /// without a connection.
 class NatsListener {
  public:
-  NatsListener();  ///< hears nothing
+  NatsListener();  ///< receives no messages
   NatsListener(NatsListener&&) noexcept;
   NatsListener& operator=(NatsListener&&) noexcept;
   ~NatsListener();

@@ -120,7 +120,7 @@ class MotionSink {
   std::deque<Waiting> waiting_;
   std::size_t made_ = 0;             ///< motions
   bool begun_ = false;               ///< a tool change or a motion
-  std::vector<MachineRemark> late_;  ///< behind what waits
+  std::vector<MachineRemark> late_;  ///< after the pending motions
 };
 
 }  // namespace kerf

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of BlockHistory that knows who cut a place.
+// The part of BlockHistory that finds the maker of a point of the surface.
 #include "server/history/surface_maker.h"
 
 #include <algorithm>

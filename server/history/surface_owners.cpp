@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of BlockHistory that knows who cut many places. All of them are cut at once, in tiles
-// that hold nothing but their quanta, by the motions in the order of the journal. What is left is
-// only looked at where another participant goes on in a tile, so that who carved alone is found by
-// one look.
+// The part of BlockHistory that finds the makers of many points of the surface. All points are cut
+// at once, in tiles that hold only their quanta, by the motions in the order of the journal. The
+// rest is only checked when another participant continues in a tile, so a participant who carved
+// alone costs one check.
 #include <algorithm>
 #include <numeric>
 #include <tuple>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One agent: its WebSocket and, if it has asked for it, its UDP connection. Lives on the thread of
-// its session, so that the thread that reads a motion also cuts and answers it.
+// One agent: its WebSocket and, on request, its UDP connection. Belongs to the thread of its
+// session, so that the thread that reads a motion also cuts and answers it.
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/ip/tcp.hpp>

@@ -63,7 +63,7 @@ class PastViewer : public std::enable_shared_from_this<PastViewer> {
     bool empty() const { return !record && !until_ms && acks.empty() && !look && !budget; }
   };
   struct Result {
-    std::string error;        ///< empty: none
+    std::string error;        ///< empty if it succeeded
     bool is_damaged = false;  ///< the journal is, so that the error remains
     bool has_no_record = false, is_late = false, has_bad_ack = false, has_moved = false;
     bool waits_for_budget = false;

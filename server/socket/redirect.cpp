@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A peer whose session is at another server: its WebSocket is accepted, because a browser does not
-// follow an answer of HTTP to one, and ended with a bye that names the server.
+// A peer whose session is at another server. Its WebSocket is accepted, because a browser does not
+// follow an HTTP redirect to one, and ended with a bye that names the server.
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>

@@ -41,7 +41,7 @@ struct FairQueue::State : std::enable_shared_from_this<State> {
 
   Executor& executor;
   const int parallel;
-  mutable std::mutex mutex;  ///< guards what follows
+  mutable std::mutex mutex;  ///< guards the members below
   std::map<std::string, Client> clients;
   std::list<std::string> turns;  ///< clients with waiting jobs, the longest wait first
   int running = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Words of the controls with Macro B (Fanuc, Haas, Mach3, grbl) that GcodeMachine does not know
-// from LinuxCNC: they are checked, changed to LinuxCNC's, or left out with a warning.
+// Words of the controls with Macro B (Fanuc, Haas, Mach3, grbl) that LinuxCNC does not have. They
+// are checked, converted to LinuxCNC's, or ignored with a warning.
 #include <cmath>
 
 #include "server/formats/gcode/expression.h"

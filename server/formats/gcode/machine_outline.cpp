@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pockets within an outline (G150 of Haas). A program states the outline by its moves, which are
-// recorded instead of made; then the pocket is milled.
+// Pockets within an outline (G150 of Haas). The moves of a program that states the outline are
+// recorded instead of made. Then the pocket is milled.
 #include <cmath>
 #include <utility>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Circular pockets (G12, G13) and holes on a circle (G70, G71) of GcodeMachine: what a Haas has
-// beyond a Fanuc, and Mach3's circles of G12 and G13.
+// Circular pockets (G12, G13) and holes on a circle (G70, G71) of GcodeMachine: additions of a Haas
+// to a Fanuc, and Mach3's circles of G12 and G13.
 #include <algorithm>
 #include <cmath>
 

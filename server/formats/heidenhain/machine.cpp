@@ -43,7 +43,7 @@ void check_words(const std::vector<KlartextWord>& words) {
 
 bool is_m128(const KlartextWord& word) { return word.name == "M" && word.value == "128"; }
 
-// "C" behind "M94".
+// "C" after "M94".
 bool is_reduced_axis(const KlartextWord& before, const KlartextWord& word) {
   return before.name == "M" && before.value == "94" && word.value.empty() &&
          (word.name == "A" || word.name == "B" || word.name == "C");

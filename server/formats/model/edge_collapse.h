@@ -21,7 +21,7 @@ struct CollapseLimits {
 };
 
 /// Collapses edges of a closed 2-manifold in about the order of their error and returns the
-/// triangles that remain. A vertex moves to the other end of an edge, so the vertices of the result
+/// remaining triangles. A vertex moves to the other end of an edge, so the vertices of the result
 /// are some of the mesh; those in `kept` do not move. The order is that of quadric errors
 /// (quadric.h). No collapse
 ///   - makes the surface open or more than two triangles share an edge (the link condition),
@@ -32,7 +32,7 @@ struct CollapseLimits {
 ///   - folds a triangle onto its neighbor.
 /// Middles of triangles and edges of the result are about as near to the mesh, which is checked by
 /// estimates. Sheets of thin walls may cross.
-/// Ends early, with what is collapsed, if a stop is requested.
+/// Ends early, with the collapses so far, if a stop is requested.
 /// Precondition: kept.size() is the number of vertices.
 std::vector<std::array<std::uint32_t, 3>> collapse_edges(const IndexedMesh& mesh,
                                                          const MeshNearest& nearest,

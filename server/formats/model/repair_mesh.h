@@ -9,7 +9,7 @@
 
 namespace kerf {
 
-/// What repair_mesh changed.
+/// The changes of repair_mesh.
 struct MeshRepair {
   std::size_t vertices_joined = 0;
   std::size_t triangles_dropped = 0;  ///< without area, or repeated
@@ -23,16 +23,16 @@ struct MeshRepair {
 /// shell", or an empty text if nothing was changed.
 std::string to_string(const MeshRepair& repair);
 
-/// Makes a mesh bound a solid (mesh_stock_fault), by this rule. A mesh that does so already is left
-/// as it is.
+/// Makes a mesh bound a solid (mesh_stock_fault), by this rule. A mesh that already does so stays
+/// unchanged.
 ///   1. Vertices on open edges are joined to others that are closer than 1e-5 of the mesh's
 ///      diagonal.
-///   2. Triangles without area are dropped, and those stated repeatedly, except one; pairs that
-///      face each other are dropped whole.
-///   3. A shell is what is connected across edges of exactly two triangles. Inside a shell all
-///      triangles are oriented as the larger part of its area is.
+///   2. Triangles without area and repeated triangles are dropped; pairs that face each other are
+///      dropped whole.
+///   3. A shell is a set of triangles connected across edges of exactly two triangles. All
+///      triangles of a shell are oriented like the larger part of its area.
 ///   4. Every boundary of a shell is closed by triangles to the mean point of its edges.
-///   5. A shell is turned if its volume is negative, unless it is a cavity: it lies inside another
+///   5. A shell is turned if its volume is negative, unless it is a cavity: it is inside another
 ///      shell, and step 3 changed nothing in it.
 /// Equal meshes give equal bytes. Errors, as one clause: a shell with one side only (a Moebius
 /// strip), no enclosed volume, more shells in one another than a bounded time allows to compare.

@@ -51,7 +51,7 @@ struct ThreemfObject {
 struct ThreemfPart {
   double unit_mm = 1;
   std::map<std::string, ThreemfObject> objects;
-  std::vector<ThreemfPlaced> items;  ///< what is built
+  std::vector<ThreemfPlaced> items;  ///< the build items
 };
 
 /// Counts and limits over all parts of a package.
