@@ -30,7 +30,16 @@ struct FrameHead {
   const CopyPosition& position() const { return is_last() ? after : before; }
 };
 
-/// Encodes a part of a change as the bytes of a message (README.md, "Messages").
+/// Encodes a part of a change as the bytes of a message, little-endian: u32 "KRFC", u32 version 1,
+/// u32 CRC-32 of the rest; u32 epoch, u64 writer, u64 change, u32 part, u32 parts, u8 1 if the
+/// change is whole; the positions before and after, each u64 last record, u64 record of the last
+/// state hash, u32 checksum of the scene, u32 checksum of the row with the last record; then the
+/// rows.
+///
+/// A row is u8 table (store/journal_tables.h), u8 1 put, 2 remove or 3 clear; for put all columns,
+/// for remove the key: integers as i64, texts and bytes as u32 length and bytes. The id of a
+/// message is session/epoch/writer/change/part, so a message whose acknowledgement was lost is not
+/// stored twice.
 std::vector<std::byte> encode_frame(const FrameHead& head, std::span<const std::byte> rows);
 
 struct Frame {
