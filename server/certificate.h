@@ -11,13 +11,13 @@
 
 namespace kerf {
 
-/// Reads the server's certificate and key; null if `certificate` is empty, for a server without
+/// Reads the server's certificate and key, or null if `certificate` is empty, for a server without
 /// TLS. Logs a certificate that clients reject because it has expired or is not valid yet. The
 /// error is one sentence.
 std::expected<std::unique_ptr<net::TlsCertificate>, std::string> load_certificate(
     const std::filesystem::path& certificate, const std::filesystem::path& key);
 
-/// Sets the expiry shown in /metrics; null without a certificate.
+/// Sets the expiry shown in /metrics, or null without a certificate.
 void show_expiry(const net::TlsCertificate* certificate, net::Metrics& metrics);
 
 }  // namespace kerf

@@ -58,7 +58,7 @@ bool parse_port(std::string_view text, std::uint16_t& port) {
   return parsed.ec == std::errc() && parsed.ptr == end;
 }
 
-/// Splits ADDR:PORT; an IPv6 address is in brackets.
+/// Splits ADDR:PORT. An IPv6 address is in brackets.
 bool parse_listen(const std::string& text, std::string& address, std::uint16_t& port) {
   const auto colon = text.rfind(':');
   if (colon == std::string::npos) return false;
@@ -69,7 +69,7 @@ bool parse_listen(const std::string& text, std::string& address, std::uint16_t& 
   return !address.empty() && parse_port(std::string_view(text).substr(colon + 1), port);
 }
 
-/// Parses [ADDR:]PORT or off; an empty text keeps the default.
+/// Parses [ADDR:]PORT or off. An empty text keeps the default.
 bool parse_udp(const std::string& text, net::UdpOptions& udp) {
   if (text.empty()) return true;
   udp.on = text != "off";

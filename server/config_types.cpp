@@ -22,7 +22,7 @@ bool is_quote(char c) { return c == '"' || c == '\''; }
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
-  /// The next line without the space around it; nullopt after the last one.
+  /// The next line without the space around it, or nullopt after the last one.
   std::optional<std::string_view> next() {
     if (rest_.empty()) return std::nullopt;
     const auto line = rest_.substr(0, rest_.find('\n'));

@@ -8,14 +8,14 @@
 namespace kerf {
 
 /// `kerf-server check`: prints one line for each journal and snapshot of a data folder. Returns the
-/// exit status: 0, or 1 on any fault; the lines state the fault and the remedy.
+/// exit status: 0, or 1 on any fault. The lines state the fault and the remedy.
 int check_data(const std::filesystem::path& folder);
 
 /// `kerf-server backup`: copies the journals and the rights of a data folder, also of a running
 /// server, into another folder, which is created. Each copy has everything committed when it was
-/// begun. Snapshots are optional. Prints one line for each. Each copy is verified; a damaged
+/// begun. Snapshots are optional. Prints one line for each. Each copy is verified. A damaged
 /// journal is copied unchanged. Returns the exit status: 0, or 1 if one is damaged or cannot be
-/// copied, e.g. because a file of its name exists; the remaining ones are still copied.
+/// copied, e.g. because a file of its name exists. The remaining ones are still copied.
 int back_up(const std::filesystem::path& data, const std::filesystem::path& to);
 
 /// `kerf-server replay`: carves a journal from the start, compares it with its stored hashes and

@@ -41,7 +41,7 @@ struct ServerOptions {
   std::string drain_to;
   ReplicationOptions copies;
   ClusterOptions cluster;
-  /// Upper limit of every viewer's mesh frames, bytes per second; 0: unlimited.
+  /// Upper limit of every viewer's mesh frames, bytes per second (0: unlimited).
   std::uint32_t viewer_budget = 0;
   bool needs_copy = false;  ///< samples are durable only when they are copied too
   /// PEM files of the certificate and its key; both empty: no TLS.
@@ -63,7 +63,7 @@ class Server {
   /// server on all addresses.
   std::string url() const;
   std::uint16_t port() const;
-  /// Returns the bound UDP port; 0 if UDP is off.
+  /// Returns the bound UDP port, or 0 if UDP is off.
   std::uint16_t udp_port() const;
   /// Reads the certificate again, for new connections. The previous one stays if it cannot be used.
   /// The error is one sentence.

@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-/// Bytes per second; nullopt if `kb` is not a budget.
+/// Bytes per second, or nullopt if `kb` is not a budget.
 std::optional<std::uint32_t> budget_of(const std::string& kb) {
   const auto number = net::parse_number<double>(kb);
   const double bytes = number ? *number * 1e3 : -1;

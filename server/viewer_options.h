@@ -9,7 +9,7 @@ class App;
 
 namespace kerf {
 
-/// Adds the options that limit the cost of viewers; they are stored in `server`.
+/// Adds the options that limit the cost of viewers. They are stored in `server`.
 void describe_viewers(CLI::App& app, net::ServerOptions& server);
 
 }  // namespace kerf

@@ -244,7 +244,7 @@ class Carving {
     return {};
   }
 
-  // Every file is a separate job; the bytes do not depend on whether they run concurrently.
+  // Every file is a separate job. The bytes do not depend on whether they run concurrently.
   Result write_models() {
     if (auto made = make_surface(); !made) return made;
     std::vector<std::function<Result()>> jobs;
@@ -257,7 +257,7 @@ class Carving {
     for (std::size_t n = 0; n < options_.models.size(); ++n)
       jobs.push_back(model_job(options_.models[n], bar, written[n]));
     if (auto done = run_jobs(jobs); !done) return done;
-    // Quantization may drop triangles; the finest file has all of them.
+    // Quantization may drop triangles. The finest file has all of them.
     add_written(written, report_.triangles, report_.warnings);
     report_.mesh_s = watch_.lap();
     jobs.clear();

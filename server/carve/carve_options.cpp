@@ -115,7 +115,7 @@ void read_stock(const std::string& text, SceneWishes& wishes) {
   wishes.stock_file = wishes.stock_size_mm ? std::string() : text;
 }
 
-// "1=6mm ball"; a number alone is a diameter.
+// "1=6mm ball". A number alone is a diameter.
 std::optional<std::pair<ToolId, ToolShape>> tool_of(const std::string& text) {
   const std::size_t sign = text.find('=');
   ToolId id = 0;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
 
-// Returns the length of the UTF-8 sequence at the beginning of a text; 0 if it is invalid.
+// Returns the length of the UTF-8 sequence at the beginning of a text, or 0 if it is invalid.
 std::size_t sequence_length(std::string_view text) {
   const auto byte = [&](std::size_t n) { return static_cast<unsigned char>(text[n]); };
   const unsigned char first = byte(0);

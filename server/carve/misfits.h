@@ -49,7 +49,7 @@ Misfits find_gouges(const DexelSnapshot& before, const DexelSnapshot& after, con
 
 /// The reverse: finds material of `block` farther than `tolerance_mm` outside the part, whose
 /// material() must not be null. Adjacent columns form one rest. Pieces that were cut loose do not
-/// count (attached_material.h); their volume is stored in `loose_mm3`.
+/// count (attached_material.h). Their volume is stored in `loose_mm3`.
 Misfits find_rests(const DexelSnapshot& block, const PartModel& part, double tolerance_mm,
                    double& loose_mm3, const SearchControl& control = {});
 

@@ -68,8 +68,8 @@ void ask_for_unit(const std::optional<std::filesystem::path>& file, MeshFile as,
 /// The processed surface of a carved block, which any number of threads may write concurrently.
 class CarvedSurface {
  public:
-  /// `reference` may be null; `workers` mesh, and must outlive the surface. The error is one
-  /// sentence. Ends early if a stop is requested; the result must then not be used.
+  /// `reference` may be null. `workers` mesh, and must outlive the surface. The error is one
+  /// sentence. Ends early if a stop is requested. The result must then not be used.
   static std::expected<std::unique_ptr<CarvedSurface>, std::string> make(
       const SolidSnapshot& snapshot, const SurfaceRequest& request, const IndexedMesh* reference,
       const ModelProgress& progress, const std::stop_token& stop, Workers& workers);

@@ -33,9 +33,9 @@ class OutputFile {
 /// The output files of a run. Thread-safe.
 class OutputFiles {
  public:
-  /// Adds a file; the reference is valid as long as this object.
+  /// Adds a file. The reference is valid as long as this object.
   OutputFile& add(const std::filesystem::path& target);
-  /// Commits all files in the order of add(). The error is that of the first failure; that file and
+  /// Commits all files in the order of add(). The error is that of the first failure. That file and
   /// all after it are not written.
   std::expected<void, std::string> commit();
   /// Removes the temporary files, even while they are being written, because the process is about

@@ -30,7 +30,7 @@ struct PartFitRequest {
 };
 
 /// Compares a block before and after a program with a part, a mesh in scene coordinates. The error,
-/// one clause, says why the mesh bounds no solid. Ends early if a stop is requested; the result
+/// one clause, says why the mesh bounds no solid. Ends early if a stop is requested. The result
 /// must then not be used.
 std::expected<PartFit, std::string> fit_part(const DexelSnapshot& before,
                                              const DexelSnapshot& after, const IndexedMesh& mesh,

@@ -68,7 +68,7 @@ class Simulation {
   const LoadCurve& loads() const { return loads_; }
   const std::map<ToolId, ToolUse>& tools() const { return tools_; }
   const ContactRuns& stock_contacts() const { return stock_; }
-  /// Contacts of tool, shank or holder with obstacles; the amount is the contact force, N.
+  /// Contacts of tool, shank or holder with obstacles. The amount is the contact force, N.
   const ContactRuns& obstacle_contacts() const { return obstacle_; }
   /// Volumes removed by rapid motions. One entry per line in program order, at most 1000.
   const std::vector<LineVolume>& rapid_cuts() const { return rapid_cuts_; }

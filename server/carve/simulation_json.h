@@ -9,7 +9,7 @@
 
 namespace kerf {
 
-/// Returns the "simulation" object of the report as JSON text; README.md defines its fields.
+/// Returns the "simulation" object of the report as JSON text. README.md defines its fields.
 /// `tool_change_s` is the duration of a tool change.
 std::string simulation_json(const Simulation& simulation, double tool_change_s, const PartFit& fit);
 

@@ -9,7 +9,7 @@
 
 namespace kerf {
 
-/// Most warnings of one kind; reports list all cases.
+/// Most warnings of one kind. Reports list all cases.
 inline constexpr std::size_t kWarningsMax = 20;
 
 /// Consecutive motions of one tool with an unwanted contact.

@@ -23,7 +23,7 @@ static_assert(std::atomic<int>::is_always_lock_free);
 
 void on_signal(int signal) { signal_seen = signal; }
 
-// Sleeps; returns early if `end` is requested.
+// Sleeps. Returns early if `end` is requested.
 void wait_for(std::chrono::milliseconds time, const std::stop_token& end) {
   std::mutex mutex;
   std::condition_variable_any never;

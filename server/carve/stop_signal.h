@@ -24,7 +24,7 @@ class StopSignal {
   /// The token; a stop is requested at the signal.
   std::stop_token token() const { return source_.get_token(); }
   /// Returns the conventional exit status: 128 + the number of the signal (130 for SIGINT, 143 for
-  /// SIGTERM); 0 before a signal.
+  /// SIGTERM), or 0 before a signal.
   static int status();
 
  private:

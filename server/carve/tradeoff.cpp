@@ -191,7 +191,7 @@ class Tradeoff {
            formatted("%.0f", options_.budget_mb);
   }
 
-  // Carves within the budgets; the error names the exceeded one.
+  // Carves within the budgets. The error names the exceeded one.
   std::expected<CarvedOnce, std::string> carve(const SculptureSettings& settings,
                                                const std::stop_token& stop,
                                                const std::string& phase) {
@@ -303,7 +303,7 @@ class Tradeoff {
     return reference_mm3 > 0 ? std::abs(removed_mm3 - reference_mm3) / reference_mm3 : 0;
   }
 
-  // Prints once; a second caller waits until it is done.
+  // Prints once. A second caller waits until it is done.
   void print() {
     std::call_once(printed_, [this] {
       const std::scoped_lock lock(mutex_);

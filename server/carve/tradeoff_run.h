@@ -23,7 +23,7 @@ struct CarvedOnce {
   std::vector<Vec3> forces_n;  ///< one per motion
 };
 
-/// Carves every motion, forces included; `progress` receives the fraction done at intervals. The
+/// Carves every motion, forces included. `progress` receives the fraction done at intervals. The
 /// error states the reason in a few words. It is empty if a stop was requested, which takes effect
 /// between motions.
 std::expected<CarvedOnce, std::string> carve_once(const SculptureSettings& settings,

@@ -45,7 +45,7 @@ struct Verdict {
 /// Listed findings of a check.
 inline constexpr std::size_t kFindingsMax = 50;
 
-/// `scene` and `simulation`: as carved; `fit` must be two-sided.
+/// `scene` and `simulation`: as carved. `fit` must be two-sided.
 Verdict make_verdict(const Scene& scene, const Simulation& simulation, const PartFit& fit,
                      std::string part, double tolerance_mm, double tool_change_s);
 

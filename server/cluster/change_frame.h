@@ -52,7 +52,7 @@ std::optional<Frame> decode_frame(std::span<const std::byte> bytes);
 /// The stream and the subject of the copy of a session's journal.
 std::string copy_stream(const std::string& session);
 std::string copy_subject(const std::string& session);
-/// The session of such a stream; nullopt for other streams.
+/// The session of such a stream, or nullopt for other streams.
 std::optional<std::string> session_of_stream(const std::string& stream);
 
 }  // namespace kerf

@@ -41,7 +41,7 @@ class ClusterNode final : public SessionPlaces {
   void start(SessionRegistry& registry, std::string address, const ClusterOptions& options,
              std::function<void(const LoadReport&)> report);
   /// Takes no more sessions, and announces that its sessions will move. Returns the address of the
-  /// server that should take them; empty if there is none.
+  /// server that should take them, or empty if there is none.
   std::string hold();
   /// Releases the leases except those of `unfinished`, whose copies are incomplete: these expire.
   /// Then leaves the cluster. Call after hold(), when the sessions have ended.

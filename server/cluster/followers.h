@@ -35,7 +35,7 @@ struct FollowNote {
 };
 std::vector<std::byte> encode_follow(const FollowNote& note);
 std::optional<FollowNote> decode_follow(std::span<const std::byte> bytes);
-/// The subject of these notes, and the session of one; nullopt for other subjects.
+/// The subject of these notes, and the session of one, or nullopt for other subjects.
 std::string follow_subject(const std::string& session);
 std::optional<std::string> followed_by_subject(std::string_view subject);
 

@@ -79,8 +79,8 @@ std::optional<Lease> decode_lease(std::span<const std::byte> bytes);
 std::vector<std::byte> encode_node(const NodeNote& note);
 std::optional<NodeNote> decode_node(std::span<const std::byte> bytes);
 
-/// The subjects of a session's lease and of a server, and the names in such subjects; nullopt for
-/// any other subject.
+/// The subjects of a session's lease and of a server, and the names in such subjects, or nullopt
+/// for any other subject.
 std::string lease_subject(const std::string& session);
 std::string node_subject(const std::string& node);
 std::optional<std::string> session_of_subject(std::string_view subject);

@@ -61,7 +61,7 @@ class LeaseTable {
   std::vector<OtherServer> others(std::int64_t now_ns) const;
   /// The addresses that other servers announced within kPageLifeNs.
   std::vector<std::string> page_servers(std::int64_t now_ns) const;
-  /// The other server with the fewest sessions, of those that run sessions; nullopt without one.
+  /// The other server with the fewest sessions, of those that run sessions, or nullopt without one.
   std::optional<OtherServer> least_loaded(std::int64_t now_ns) const;
   /// Counts one expected session for a server, until it has it or has announced itself twice.
   void expect_session(const std::string& node);

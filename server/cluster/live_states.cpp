@@ -15,7 +15,7 @@ namespace kerf {
 namespace {
 
 constexpr std::chrono::milliseconds kInterval{40};
-/// A follower without an announcement for so long is gone; it announces itself every second.
+/// A follower without an announcement for so long is gone. It announces itself every second.
 constexpr std::int64_t kFollowerSilenceNs = 3'000'000'000;
 
 }  // namespace

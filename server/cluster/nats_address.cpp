@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-/// The length of `nats://` or `tls://` at the beginning of a URL; 0 without either.
+/// The length of `nats://` or `tls://` at the beginning of a URL, or 0 without either.
 std::size_t scheme_length(const std::string& url) {
   for (const std::string_view scheme : {"nats://", "tls://"})
     if (url.starts_with(scheme)) return scheme.size();

@@ -231,7 +231,7 @@ NatsResult<NatsWatch> NatsConnection::watch_from(const std::string& stream,
   return watch_since(stream, subject, first);
 }
 
-/// From message `first` on; 0: from the last message of each subject on.
+/// From message `first` on (0: from the last message of each subject on).
 NatsResult<NatsWatch> NatsConnection::watch_since(const std::string& stream,
                                                   const std::string& subject, std::uint64_t first) {
   if (!is_connected()) return failed(NATS_NOT_YET_CONNECTED, jsErrCode{});

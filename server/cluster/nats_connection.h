@@ -42,7 +42,7 @@ class NatsWatch {
   NatsWatch(NatsWatch&&) noexcept;
   NatsWatch& operator=(NatsWatch&&) noexcept;
   ~NatsWatch();
-  /// The next message; nullopt after `wait` without one. Must not be used after an error.
+  /// The next message, or nullopt after `wait` without one. Must not be used after an error.
   NatsResult<std::optional<StreamMessage>> next(std::chrono::milliseconds wait);
 
  private:
@@ -73,7 +73,7 @@ class NatsListener {
 enum class Keep : std::uint8_t { kAll, kLastOfSubject };
 
 /// A connection to NATS, and streams of JetStream, each with one subject or, with a wildcard, all
-/// that match it. It connects and reconnects by itself, without end; meanwhile calls fail with
+/// that match it. It connects and reconnects by itself, without end. Meanwhile calls fail with
 /// kAway. Thread-safe.
 class NatsConnection {
  public:
@@ -88,7 +88,7 @@ class NatsConnection {
   /// Makes a stream on the disk of `replicas` servers, unless it exists.
   NatsResult<void> make_stream(const std::string& stream, const std::string& subject, int replicas,
                                Keep keep = Keep::kAll);
-  /// The last message of a stream; nullopt if it is empty. kAbsent without the stream.
+  /// The last message of a stream, or nullopt if it is empty. kAbsent without the stream.
   NatsResult<std::optional<StreamMessage>> last_message(const std::string& stream,
                                                         const std::string& subject);
   /// Stores a message as the next one of its subject after `after` (0: as the first), and returns

@@ -23,7 +23,7 @@ template <typename T>
 using NatsOwned = std::unique_ptr<T, NatsDestroyer>;
 
 /// A connection of libnats and its ended subscriptions. Up to version 3.5 the library's reading
-/// thread looks up a subscription and uses it without holding a reference; destroying it at the
+/// thread looks up a subscription and uses it without holding a reference. Destroying it at the
 /// same time corrupts the heap. So an ended subscription is destroyed only after that thread has
 /// answered a ping, or has ended with the connection. Thread-safe.
 class NatsLine {

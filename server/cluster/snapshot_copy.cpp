@@ -28,7 +28,7 @@ class ReadFile {
     in_.seekg(0);
   }
   std::size_t bytes() const { return bytes_; }
-  /// The next bytes, at most `most`; empty after an error.
+  /// The next bytes, at most `most`, or empty after an error.
   std::span<const std::byte> next(std::size_t most) {
     part_.resize(most);
     in_.read(reinterpret_cast<char*>(part_.data()), static_cast<std::streamsize>(most));

@@ -32,7 +32,7 @@ class SnapshotCopy {
   /// with false, when a stop is requested. The error is one sentence: NATS is away, or a server of
   /// a later epoch has the session.
   std::expected<bool, std::string> copy(std::uint64_t copied, const std::stop_token& stop);
-  /// The last record of the newest snapshot of the stream; 0 if it is empty.
+  /// The last record of the newest snapshot of the stream, or 0 if it is empty.
   std::uint64_t record() const { return record_; }
 
  private:
@@ -57,8 +57,8 @@ inline constexpr std::uint32_t kAnyEpoch = 0xFFFF'FFFF;
 
 /// Stores the newest and the previous snapshot of a session's stream next to its journal, if they
 /// are newer than the local ones. They are verified when used (restore()). Returns the last record
-/// of the newest local one then; 0 without one. An error, one sentence, costs only time: all
-/// records are replayed. `epoch`: of the caller; the stream must be of an earlier one.
+/// of the newest local one then, or 0 without one. An error, one sentence, costs only time: all
+/// records are replayed. `epoch`: of the caller. The stream must be of an earlier one.
 std::expected<std::uint64_t, std::string> fetch_snapshots(NatsConnection& nats,
                                                           const std::string& session,
                                                           std::uint32_t epoch,

@@ -39,7 +39,7 @@ std::expected<bool, std::string> add_mark(NatsConnection& nats, const std::strin
   return std::unexpected(stored.error().reason);
 }
 
-/// Ends the epochs before `epoch` in the copy, and returns its end; nullopt without a copy.
+/// Ends the epochs before `epoch` in the copy, and returns its end, or nullopt without a copy.
 std::expected<std::optional<CopyEnd>, std::string> end_epochs(NatsConnection& nats,
                                                               const std::string& session,
                                                               std::uint32_t epoch) {

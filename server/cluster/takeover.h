@@ -12,7 +12,8 @@
 
 namespace kerf {
 
-/// The epoch of the last message of a session's copy; 0 without a copy. The error is one sentence.
+/// The epoch of the last message of a session's copy, or 0 without a copy. The error is one
+/// sentence.
 std::expected<std::uint32_t, std::string> epoch_of_copy(NatsConnection& nats,
                                                         const std::string& session);
 

@@ -43,7 +43,7 @@ class AgentConversation final : public Conversation {
     Now now = Clock::now;
     /// Called when frames are queued that are not caused by a received frame.
     std::function<void()> wake;
-    /// Opens a UDP connection for this agent; nullopt if none is available.
+    /// Opens a UDP connection for this agent, or nullopt if none is available.
     std::function<std::optional<datagram::Offer>()> open_udp;
     Caller caller = Caller::local();
   };
@@ -53,8 +53,8 @@ class AgentConversation final : public Conversation {
 
   /// Handles one frame received over the UDP connection. Call refresh() afterwards.
   void receive_datagram(std::span<const std::byte> frame, Clock::time_point arrived);
-  /// The next datagram to send, valid until the next call of a receive function or of work(); null
-  /// without one.
+  /// The next datagram to send, valid until the next call of a receive function or of work(), or
+  /// null without one.
   const OutDatagram* take_datagram();
 
   void refresh() override;
@@ -89,7 +89,7 @@ class AgentConversation final : public Conversation {
   void change_stroke(bool undone);
   void send_intents(Clock::time_point now);
   void on_event(const SessionEvent& event);
-  /// The durable sequence for results and pongs; 0 unless the agent has requested it.
+  /// The durable sequence for results and pongs, or 0 unless the agent has requested it.
   std::uint64_t durable_sequence() const;
   /// Returns the answer, unless the batch continues in later turns.
   std::optional<MotionAnswer> apply(const wire::MotionBatch& batch, const InProgress& from);

@@ -72,7 +72,7 @@ struct PastPlace {
   double rate = 0;           ///< playback rate; 0: no playback
   friend bool operator==(const PastPlace&, const PastPlace&) = default;
 };
-/// States the reach of the agent's device: coordinates of at most 1000 m; nullopt: unknown.
+/// States the reach of the agent's device: coordinates of at most 1000 m (nullopt: unknown).
 struct ReachMessage {
   std::optional<DeviceReach> reach;
 };
@@ -97,7 +97,7 @@ std::expected<ControlMessage, Rejection> parse_control(std::string_view text);
 std::string agent_welcome(const Session& session, const Admission& admission,
                           const SessionLimits& limits, const datagram::Offer* udp = nullptr,
                           bool reach = false);
-/// `budget`: bytes of mesh frames per second; 0: unlimited. `meshes`: for a viewer that verifies,
+/// `budget`: bytes of mesh frames per second (0: unlimited). `meshes`: for a viewer that verifies,
 /// the sequence of the last mesh frame before.
 std::string viewer_welcome(const Session& session, const Participant& self, const Roster& roster,
                            std::uint32_t budget, std::optional<std::uint64_t> meshes);

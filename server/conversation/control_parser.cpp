@@ -100,7 +100,7 @@ std::expected<void, Rejection> read_look(const Json& object, HelloMessage& hello
   return {};
 }
 
-/// Reads the budget of a viewer; nullopt if it is not stated.
+/// Reads the budget of a viewer, or nullopt if it is not stated.
 std::expected<std::optional<std::uint32_t>, Rejection> budget_of(const Json& object) {
   const auto found = object.find("budget");
   if (found == object.end()) return std::nullopt;

@@ -31,7 +31,7 @@ struct MeshAck {
   std::uint64_t sequence = 0;
 };
 
-/// The viewer's budget has changed: bytes of mesh frames per second; 0: unlimited.
+/// The viewer's budget has changed: bytes of mesh frames per second (0: unlimited).
 struct ViewerBudget {
   std::uint32_t bytes_per_s = 0;
 };
@@ -67,8 +67,8 @@ class ViewerConversation final : public Conversation {
   /// Minimum interval of state messages, except when the surface has settled.
   static constexpr std::chrono::milliseconds kStateInterval{250};
 
-  /// `budget_max`: upper limit of every viewer's budget, bytes of mesh frames per second; 0:
-  /// unlimited.
+  /// `budget_max`: upper limit of every viewer's budget, bytes of mesh frames per second (0:
+  /// unlimited).
   ViewerConversation(std::shared_ptr<Session> session, Metrics& metrics, Now now,
                      std::function<void()> wake, Caller caller = Caller::local(),
                      std::uint32_t budget_max = 0);
@@ -86,7 +86,7 @@ class ViewerConversation final : public Conversation {
   /// As stated in the hello.
   const FirstLook& first_look() const { return first_look_; }
   /// Bytes of mesh frames per second that the viewer may be sent: its own budget, limited by the
-  /// common maximum; 0: unlimited.
+  /// common maximum (0: unlimited).
   std::uint32_t budget() const { return budget_; }
 
   /// From now on the viewer is sent the surface of another block, past or present. Tiles and frames

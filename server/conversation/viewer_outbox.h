@@ -45,7 +45,7 @@ class ViewerOutbox {
   void put_mesh(FeedFrame frame, bool is_summed = false) {
     if (!closed_) mesh_.push_back({std::move(frame), is_summed});
   }
-  /// The sequence of the last mesh frame that has left; 0 before the first.
+  /// The sequence of the last mesh frame that has left, or 0 before the first.
   std::uint64_t mesh_sent() const { return mesh_sent_; }
   void put_state(std::string text) {
     if (!closed_) state_ = std::move(text);

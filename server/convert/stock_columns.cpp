@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-/// Kind of a token, in its two lowest bits; the other bits are a count.
+/// Kind of a token, in its two lowest bits. The other bits are a count.
 enum Token : std::uint32_t {
   kSkip = 0,    ///< `count` unchanged columns
   kColumn = 1,  ///< one column with `count` elements, whose ends follow
@@ -105,7 +105,7 @@ class NumberReader {
   bool truncated_ = false;
 };
 
-/// Reads the elements of one column into `column`; `last` is the last column stated. Returns false
+/// Reads the elements of one column into `column`. `last` is the last column stated. Returns false
 /// if it is malformed.
 bool read_column(NumberReader& from, std::uint64_t elements, std::span<const Dexel> last,
                  std::vector<Dexel>& column) {

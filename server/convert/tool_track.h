@@ -23,7 +23,7 @@ inline bool cuts(const wire::MotionSample& sample) {
 /// an agent's replica both use it, so that they interpret samples identically.
 class ToolTrack {
  public:
-  /// The tool moves without cutting; obstacles and stock push it.
+  /// The tool moves without cutting. Obstacles and stock push it.
   struct Touch {
     ToolId tool = 0;
     ToolPose pose;
@@ -46,7 +46,7 @@ class ToolTrack {
                                       double speed_max_mm_per_s);
   /// Returns whether `take` would return a motion for this sample, if it is valid.
   bool would_move(const wire::MotionSample& sample) const;
-  /// Drops the last pose; the next sample places the tool without a motion.
+  /// Drops the last pose. The next sample places the tool without a motion.
   void lift() { pose_.reset(); }
   /// Sets the pose without a sample, as if a motion of the tool had reached it.
   void place(const ToolPose& pose) {
@@ -67,11 +67,11 @@ class ToolTrack {
 
 /// Adds the contact force of obstacles and stock at the pose of `touch` to a result.
 void add_touch(BatchSum& sum, const Sculpture& sculpture, const ToolTrack::Touch& touch);
-/// Adds an applied motion and the contact planes at its end; records its force in the participant's
+/// Adds an applied motion and the contact planes at its end. Records its force in the participant's
 /// `held`.
 void add_motion(BatchSum& sum, const Sculpture& sculpture, const MoveTool& move,
                 const MotionResult& result, HeldCut& held);
-/// Adds contact and held force if the step is a rest; drops the latter if the step neither rests
+/// Adds contact and held force if the step is a rest. Drops the latter if the step neither rests
 /// nor cuts.
 void add_rest(BatchSum& sum, const Sculpture& sculpture, const ToolTrack::Step& step,
               HeldCut& held);

@@ -25,13 +25,13 @@ struct Offer {
   bool operator==(const Offer&) const = default;
 };
 
-/// Creates an offer with a random connection number and random keys; nullopt if the system's random
-/// generator fails.
+/// Creates an offer with a random connection number and random keys, or nullopt if the system's
+/// random generator fails.
 std::optional<Offer> random_offer(std::uint16_t port);
 
 /// Returns a key as 64 lowercase hexadecimal digits, its form in the welcome.
 std::string to_text(const Key& key);
-/// The inverse of to_text(); nullopt for any other text.
+/// The inverse of to_text(), or nullopt for any other text.
 std::optional<Key> key_from_text(std::string_view text);
 
 }  // namespace kerf::datagram

@@ -86,8 +86,8 @@ std::optional<StockFeed::Regions> StockFeed::everything(const Sculpture& sculptu
   return all;
 }
 
-/// Returns the tiles that the tool may reach before the next patches arrive; nullopt if there are
-/// more than kTilesMax.
+/// Returns the tiles that the tool may reach before the next patches arrive, or nullopt if there
+/// are more than kTilesMax.
 std::optional<StockFeed::Regions> StockFeed::reach(const Sculpture& sculpture,
                                                    const TrackedTool& tracked) {
   if (auto all = everything(sculpture)) return all;

@@ -47,13 +47,13 @@ struct StockUpdate {
 /// Keeps the replica of one agent correct around its tool and along the tool's predicted path. The
 /// agent cuts its own motions itself, so it needs a tile once, when the tool approaches, and then
 /// only the columns that other participants cut, until stock comes back to the tile. Has no clock
-/// and no thread; runs on the session's executor.
+/// and no thread. Runs on the session's executor.
 class StockFeed {
  public:
   /// A patch ends with the tile that reaches this number of bytes of columns.
   static constexpr std::size_t kPatchBytes = std::size_t{32} * 1024;
 
-  /// `takes_returned`: the agent understands patches with `returned`; otherwise its replica starts
+  /// `takes_returned`: the agent understands patches with `returned`. Otherwise its replica starts
   /// over when stock comes back. `whole`: the replica should be correct everywhere, unless a field
   /// has more than 1,024 tiles.
   explicit StockFeed(bool takes_returned = false, bool whole = false)
@@ -66,8 +66,8 @@ class StockFeed {
   /// The agent's replica is invalid: the next patch starts a new one.
   void reset();
   /// Returns the patch that the replica lacks around the tool and its predicted path, nearest tiles
-  /// first; nullopt if it is complete, or if as many patches are in flight as wire/limits.h allows.
-  /// The cost is proportional to the number of tiles in that region.
+  /// first, or nullopt if it is complete, or if as many patches are in flight as wire/limits.h
+  /// allows. The cost is proportional to the number of tiles in that region.
   std::optional<StockUpdate> next(const Sculpture& sculpture, const TrackedTool& tracked);
   /// The agent applied every patch up to `sequence`. Returns false, without effect, if that patch
   /// was not sent.
@@ -77,14 +77,14 @@ class StockFeed {
 
  private:
   /// Limit of the tiles of a region, per field, to bound the time taken from other participants.
-  /// Above it, the predicted path is dropped; if the region is still larger, nothing is sent.
+  /// Above it, the predicted path is dropped. If the region is still larger, nothing is sent.
   static constexpr std::int64_t kTilesMax = 16384;
 
   struct MissingTile {
     double distance_mm;
     FieldTile at;
   };
-  /// The tiles of each field where the replica must be correct; empty for an absent field.
+  /// The tiles of each field where the replica must be correct, or empty for an absent field.
   using Regions = std::array<TileRegion, 3>;
 
   std::optional<Regions> everything(const Sculpture& sculpture) const;
@@ -98,8 +98,8 @@ class StockFeed {
   bool add_tile(const DexelField& field, FieldTile at, StockUpdate& update);
   void drop_far(const Regions& near);
 
-  /// The tiles that the agent has, as they were sent; null if the tile was untouched or is far away
-  /// now.
+  /// The tiles that the agent has, as they were sent, or null if the tile was untouched or is far
+  /// away now.
   std::map<FieldTile, std::unique_ptr<DexelTile>> known_;
   std::set<FieldTile> stale_;     ///< those of known_ that another participant has cut since
   std::set<FieldTile> returned_;  ///< the agent lacks stock that has come back there

@@ -28,7 +28,7 @@ double outside(double value, double low, double high) {
   return std::max({low - value, value - high, 0.0});
 }
 
-/// Collapses edges inside a part of the tile; its border is locked.
+/// Collapses edges inside a part of the tile. Its border is locked.
 std::vector<std::uint32_t> simplified(const TileMesh& mesh, std::span<const std::uint32_t> part,
                                       double error_mm) {
   const float* const positions = mesh.positions_mm.front().data();

@@ -10,11 +10,11 @@
 
 namespace kerf {
 
-/// Coarsest level of detail of a tile; level 0 is the exact mesh.
+/// Coarsest level of detail of a tile. Level 0 is the exact mesh.
 inline constexpr int kDetailLevelMax = 3;
 
 /// Returns the error of a level, mm: 0, 1/8, 1/2 and 2 pitches. On the borders it is the maximum
-/// distance to the mesh; inside the tile it is meshoptimizer's estimate, a mean
+/// distance to the mesh. Inside the tile it is meshoptimizer's estimate, a mean
 /// (tests/bench/results/server.md lists measured distances).
 double detail_error_mm(int level, double pitch_mm);
 

@@ -174,7 +174,7 @@ std::vector<std::byte> compressed_indices(const SendOrder& order) {
   return out;
 }
 
-/// Selects the codec versions that EXT_meshopt_compression requires; they are global state of the
+/// Selects the codec versions that EXT_meshopt_compression requires. They are global state of the
 /// library.
 void fix_codec_versions() {
   static std::once_flag versions_set;

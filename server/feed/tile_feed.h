@@ -49,17 +49,17 @@ inline constexpr std::uint8_t kFirstSnapshotEnd = 2;  ///< its last part
 /// ones (README.md).
 ///
 /// Has no thread and no clock. note_change() may be called on the session's thread and never waits
-/// for meshing. All other functions are for the viewer threads; they take a lock that is held while
+/// for meshing. All other functions are for the viewer threads. They take a lock that is held while
 /// tiles are meshed.
 class TileFeed {
  public:
-  /// `revision` is the session's count of motions at the moment of the snapshot; it never
+  /// `revision` is the session's count of motions at the moment of the snapshot. It never
   /// decreases.
   TileFeed(SolidSnapshot snapshot, std::uint64_t revision, FeedSettings settings = {});
 
   /// Sets the current state of the block. `changed` are the tiles cut since the previous call
   /// (MotionResult::changed_tiles, in any order, repeats allowed). Call it at the display rate of
-  /// the viewers, 20 to 30 times a second; it only moves a few pointers.
+  /// the viewers, 20 to 30 times a second. It only moves a few pointers.
   void note_change(SolidSnapshot snapshot, std::span<const TileIndex> changed,
                    std::uint64_t revision);
 
@@ -78,7 +78,7 @@ class TileFeed {
   };
 
   /// Adds a viewer. Without a look all its tiles are exact. `budget`: bytes of its frames per
-  /// second; 0: unlimited.
+  /// second (0: unlimited).
   ViewerId add_viewer(const std::optional<ViewerLook>& look = std::nullopt,
                       TileNodes nodes = TileNodes::kSingle, std::uint32_t budget = 0);
   void remove_viewer(ViewerId viewer);  ///< unknown viewers are ignored
@@ -86,10 +86,10 @@ class TileFeed {
   /// Sets the viewpoint of a viewer, and resends the tiles whose level of detail changes. Unknown
   /// viewers are ignored. Costs a few operations per tile of the block.
   void look(ViewerId viewer, const ViewerLook& look);
-  /// Sets the budget of a viewer, bytes per second; 0: unlimited. Unknown viewers are ignored.
+  /// Sets the budget of a viewer, bytes per second (0: unlimited). Unknown viewers are ignored.
   void set_budget(ViewerId viewer, std::uint32_t bytes_per_s);
 
-  /// Returns the next frame for a viewer; nullopt if it has every tile, or while the limit of
+  /// Returns the next frame for a viewer, or nullopt if it has every tile, or while the limit of
   /// frames in flight is reached or its budget is used up. Call it until it returns nullopt after
   /// note_change (for each viewer), ack, look and add_viewer, and at intervals while it waits for
   /// its budget. `now`, which never decreases, matters for viewers with a budget only.
@@ -190,13 +190,13 @@ class TileFeed {
   void end_round();
   void take_update();
   TileIndex index_of(std::uint32_t tile) const;
-  /// Number of the tile at `index`; nullopt outside the block.
+  /// Number of the tile at `index`, or nullopt outside the block.
   std::optional<std::uint32_t> number_of(TileIndex index) const;
   TileDetail detail_of(const Viewer& viewer, std::uint32_t tile) const;
   SharedTile current(std::uint32_t tile, const TileDetail& detail);
   /// The newest mesh of a tile. Valid until the next call.
   const TileMesh& mesh_of(std::uint32_t tile);
-  /// Level of detail of a tile from a viewpoint; `level` is the present one.
+  /// Level of detail of a tile from a viewpoint. `level` is the present one.
   std::uint8_t level_from(const ViewerLook& look, std::uint32_t tile, std::uint8_t level) const;
   bool is_full(const Selection& selection, std::size_t bytes_max) const;
   void select_tiles(Viewer& viewer, TileQueue& queue, std::size_t bytes_max, Selection& selection);

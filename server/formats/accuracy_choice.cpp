@@ -44,7 +44,7 @@ constexpr double kJoinUsPerColumn = 1.7;
 
 constexpr double kBytesMax = 4.0 * 1024 * 1024 * 1024;
 constexpr double kBytesPerColumn = 8.3;
-// Fewest pitches per tool radius; below this, cuts fall between the rays.
+// Fewest pitches per tool radius. Below this, cuts fall between the rays.
 constexpr double kPitchesPerRadius = 1;
 // Share of the target given to the tolerance: the minimum of the product of columns (1 / pitch^2)
 // and sub-motions. The shares are constant, so that a smaller target never gets a coarser pitch.

@@ -32,7 +32,7 @@ struct AccuracyUse {
   StockShape stock;
   std::vector<Tool> tools;  ///< at least one
   bool turns = true;        ///< the machine can turn the tool axis
-  /// Coarsest pitch at which the thin walls of a program are kept, mm; empty if no program is
+  /// Coarsest pitch at which the thin walls of a program are kept, mm, or empty if no program is
   /// known.
   std::optional<double> wall_pitch_mm = {};
 };
@@ -75,7 +75,7 @@ double predicted_join_s(const Accuracy& accuracy, const StockShape& stock);
 /// Chooses the cheapest accuracy whose predicted surface error meets the target, with at most 4 GiB
 /// of stock and a pitch no larger than the radius of the smallest tool and wall_pitch_mm. Computes
 /// with + - × / and square roots only, so equal requests give equal choices on every CPU. A request
-/// that fixes all four values always succeeds; `reason` then reports the expected error.
+/// that fixes all four values always succeeds. `reason` then reports the expected error.
 std::expected<AccuracyChoice, AccuracyError> choose_accuracy(const AccuracyRequest& request,
                                                              const AccuracyUse& use);
 

@@ -19,7 +19,7 @@ struct Planar {
   double x, y;
 };
 
-// The center of the circle through three points; nullopt on a line.
+// The center of the circle through three points, or nullopt on a line.
 std::optional<Planar> circumcenter(PlanePoint a, PlanePoint b, PlanePoint c) {
   const double bx = b.first - a.first, by = b.second - a.second;
   const double cx = c.first - a.first, cy = c.second - a.second;

@@ -16,7 +16,7 @@ struct AreaMove {
 };
 /// Most moves of a cycle.
 inline constexpr std::size_t kAreaMovesMax = 100'000;
-/// A path; its first move only states where the path begins.
+/// A path. Its first move only states where the path begins.
 using AreaPath = std::vector<AreaMove>;
 /// A path, or the reason why the tool cannot follow it.
 using AreaResult = std::expected<AreaPath, std::string>;

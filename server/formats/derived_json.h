@@ -8,7 +8,7 @@
 
 namespace kerf {
 
-/// Returns the origins as a JSON list with `tool` (its number; null for the scene), `field`,
+/// Returns the origins as a JSON list with `tool` (its number, or null for the scene), `field`,
 /// `origin` and `source` of each.
 std::string provenance_json(const std::vector<FieldOrigin>& origins);
 

@@ -45,7 +45,7 @@ struct DerivedScene {
   double programmed_s = 0, machine_s = 0;  ///< at feed rate; on a machine (MachineTime)
 };
 
-/// Diameter of a tool without a description, mm; the tool is flat.
+/// Diameter of a tool without a description, mm. The tool is flat.
 inline constexpr double kToolAssumedMm = 6;
 
 /// Derives the scene in which a program can be carved. Tools: the wishes, the tool table of

@@ -12,7 +12,7 @@
 namespace kerf {
 
 /// Divides the motions of a program into samples of 1/rate_hz seconds: add() motions until
-/// can_sample(), then sample() until it is false; after the last motion end(). The last sample
+/// can_sample(), then sample() until it is false. After the last motion end(). The last sample
 /// before a jump or a tool change may be shorter, as may one during which more than kWindow motions
 /// begin.
 class FeedSampler {

@@ -46,7 +46,7 @@ struct PlaneGuide {
 struct DepthGuide {
   double lowest_z_mm = 0;
 };
-/// Keeps the tip out of a box; pushes it out of the nearest face.
+/// Keeps the tip out of a box. Pushes it out of the nearest face.
 struct RegionGuide {
   Vec3 min_mm{}, max_mm{};
 };

@@ -28,7 +28,7 @@ bool within(Vec3 v, double most) {
   return std::abs(v.x) <= most && std::abs(v.y) <= most && std::abs(v.z) <= most;
 }
 
-/// Returns the reason why a pose from any source cannot be used; empty if it can.
+/// Returns the reason why a pose from any source cannot be used, or empty if it can.
 const char* pose_fault(const GuidePose& pose) {
   if (!within(pose.tip_mm, kCoordinateMaxMm)) return "has a coordinate beyond 1000000 mm";
   if (within(pose.felt.force_n, kGuideFeltMax) && within(pose.felt.torque_nmm, kGuideFeltMax))

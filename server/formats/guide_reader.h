@@ -18,7 +18,7 @@ using GuideFile =
     std::function<std::vector<GuidePath>(SceneFields& fields, const PathGuide& guide)>;
 
 /// Reads the "guides" of a scene, or of a welcome, whose guides name no files. Throws
-/// SceneRejection. `read_file` may be null; a guide that names a file is then rejected.
+/// SceneRejection. `read_file` may be null. A guide that names a file is then rejected.
 std::vector<Guide> read_guides(const SceneValue& list, const GuideFile& read_file);
 
 /// Reads the "guides" of a JSON object, such as a welcome. Returns an empty list if it has no such

@@ -6,7 +6,7 @@
 
 namespace kerf {
 
-/// A position in a text; both count from 1.
+/// A position in a text. Both count from 1.
 struct TextPlace {
   std::size_t line = 1, column = 1;
 };

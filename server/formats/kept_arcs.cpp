@@ -34,7 +34,7 @@ bool follows(const ProgramMotion& before, const ProgramMotion& motion) {
          std::abs(before.duration_s - motion.duration_s) <= kDurationShare * before.duration_s;
 }
 
-// The center of the circle through three points of a plane; nullopt if they are on a line.
+// The center of the circle through three points of a plane, or nullopt if they are on a line.
 std::optional<PlanePoint> center_of(PlanePoint a, PlanePoint b, PlanePoint c) {
   const double bx = b.first - a.first, by = b.second - a.second;
   const double cx = c.first - a.first, cy = c.second - a.second;

@@ -26,7 +26,7 @@ double cos_deg(double deg) {
   return std::cos(turn * kRadPerDeg);
 }
 
-// Rows of the rotation matrix from workpiece to machine; its transpose is the inverse. The third
+// Rows of the rotation matrix from workpiece to machine. Its transpose is the inverse. The third
 // row is the tool axis in the workpiece.
 struct TableRotation {
   Vec3 x, y, z;

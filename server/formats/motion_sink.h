@@ -34,7 +34,7 @@ class MotionSink {
   /// `program` must outlive the sink.
   explicit MotionSink(Program& program) : program_(program) {}
 
-  /// Sets the tool of the following motions; nullopt if no tool is loaded. Not a tool change of the
+  /// Sets the tool of the following motions (nullopt: no tool is loaded). Not a tool change of the
   /// program.
   void set_tool(std::optional<ToolId> tool) {
     if (tool != tool_) cut_to_.reset();
@@ -48,7 +48,7 @@ class MotionSink {
   /// Takes the tool away from the workpiece. place() must precede the next motion.
   void lift() { last_.reset(); }
   bool placed() const { return last_.has_value(); }
-  /// The current pose; nullopt unless placed().
+  /// The current pose, or nullopt unless placed().
   const std::optional<ToolPose>& last() const { return last_; }
 
   /// Puts the tool at a pose without cutting. Error: the tip is out of range (kCoordinateMaxMm).

@@ -10,7 +10,7 @@ namespace kerf {
 
 /// The shortest decimal that reads back to the same double; "0" for -0.
 std::string exact_text(double value);
-/// Rounded to at most `decimals` decimals; trailing zeros are removed.
+/// Rounded to at most `decimals` decimals. Trailing zeros are removed.
 std::string decimal_text(double value, int decimals);
 /// Rounded to `digits` significant digits.
 std::string significant_text(double value, int digits);

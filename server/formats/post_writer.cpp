@@ -13,10 +13,10 @@
 namespace kerf {
 namespace {
 
-// Most halvings of one motion of a rotary machine; pieces are then as small as the angle step.
+// Most halvings of one motion of a rotary machine. Pieces are then as small as the angle step.
 constexpr int kTurnHalvingsMax = 16;
 // When the C axis has turned this far, the tool is retracted and C is turned back to within one
-// turn. LinuxCNC's sample machines allow 100 turns; cables and hoses of real tables allow fewer.
+// turn. LinuxCNC's sample machines allow 100 turns. Cables and hoses of real tables allow fewer.
 constexpr double kWindUpMaxDeg = 20 * 360;
 
 double rounded_to(double value, int decimals) {
@@ -122,7 +122,7 @@ WriteResult PostWriter::finish() {
   return write_result(out_);
 }
 
-// Remarks that end or stop something precede a tool change; those that start something follow it.
+// Remarks that end or stop something precede a tool change. Those that start something follow it.
 void PostWriter::place(const ToolPose& pose, ToolId tool) {
   leave_hole();
   retract();

@@ -62,7 +62,7 @@ class PostWriter : public ProgramWriter {
   const ToolPose& last() const { return last_; }
   const RotaryAngles& angles() const { return angles_; }
   const RotaryAngles& end_angles() const { return end_angles_; }
-  /// The speed in the next remark about the spindle; 0 without one.
+  /// The speed in the next remark about the spindle, or 0 without one.
   double next_rpm() const;
   /// The feed of a motion from last(), mm per minute, or degrees per minute if the tip rests.
   double feed(const ToolPose& to, double duration_s) const;

@@ -35,9 +35,9 @@ ToolPose pose_on(const ProgramMotion& motion, double share);
 
 /// Most motions of a program. A few lines of hostile text can request any number.
 inline constexpr std::size_t kProgramMotionsMax = 10'000'000;
-/// Most tool changes that Program::tool_changes records; later ones are omitted.
+/// Most tool changes that Program::tool_changes records. Later ones are omitted.
 inline constexpr std::size_t kProgramToolChangesMax = 1'000'000;
-/// Most warnings that Program::warnings records; later ones are omitted.
+/// Most warnings that Program::warnings records. Later ones are omitted.
 inline constexpr std::size_t kProgramWarningsMax = 100;
 
 /// A tool change at a line of the program (see ProgramMotion for line and file).
@@ -51,7 +51,7 @@ struct ToolChange {
 struct Program {
   std::string name;          ///< file name
   std::string read_as = {};  ///< language, and why it: "Haas: line 3 has G154"
-  /// The number in the program's text (O1234), digits only; "" without one.
+  /// The number in the program's text (O1234), digits only, or "" without one.
   std::string number = {};
   std::vector<ProgramMotion> motions;
   std::vector<std::string> warnings;  ///< "file:line: text"
@@ -89,7 +89,7 @@ std::string place_of(const Program& program, std::uint32_t file, std::uint32_t l
 
 /// Divides a program into motions of 1/rate_hz seconds each along the programmed feed, as an agent
 /// would stream it. The last motion before a jump or a tool change may be shorter. Poses are on the
-/// pose grid. A motion that spans a corner cuts it off; a warning reports the largest such error
+/// pose grid. A motion that spans a corner cuts it off. A warning reports the largest such error
 /// above 0.01 mm. `rate_hz` > 0. Check sample_count first, because the result has no limit of its
 /// own.
 Program sample_program(const Program& program, double rate_hz);

@@ -13,7 +13,7 @@
 namespace kerf {
 namespace {
 
-/// Most poses of one joined motion; every new motion is compared with all of them.
+/// Most poses of one joined motion. Every new motion is compared with all of them.
 constexpr std::size_t kPosesMax = 128;
 /// Fewer poses do not define an arc.
 constexpr std::size_t kArcPosesMin = 4;

@@ -12,7 +12,7 @@ namespace kerf {
 /// Joins consecutive motions into a straight one, or into an arc if the writer supports it, while
 /// no point of the tool, from its tip to its end along the axis, deviates by more than
 /// `tolerance_mm`. The swept volume changes by no more than that. Paths are compared by length, so
-/// the position at a given time may differ; the total duration is kept. Motions of different kinds
+/// the position at a given time may differ. The total duration is kept. Motions of different kinds
 /// (rests, rapids, cuts) or tools are never joined. Forwards the result to `writer`.
 class ProgramDecimator final : public ProgramWriter {
  public:

@@ -34,7 +34,7 @@ struct ProgramPath {
 
 /// Collects the path of a program, for drawing with at most `points_max` points, at least 2.
 /// Straight runs of one tool and kind are joined within the smallest sufficient tolerance of a
-/// series. A path with too many corners for that is thinned to every k-th motion; its error is then
+/// series. A path with too many corners for that is thinned to every k-th motion. Its error is then
 /// the size of the path's extents. Long paths are joined piece by piece with a growing tolerance,
 /// so that at most about 2 kHeld points are in memory.
 class PathCollector {

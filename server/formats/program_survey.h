@@ -79,7 +79,7 @@ class MotionStream {
   /// `rate_hz` as in ProgramSurvey.
   MotionStream(std::unique_ptr<ProgramReader> reader, std::optional<double> rate_hz);
 
-  /// The next motion; null if it must be read first, and at the end.
+  /// The next motion, or null if it must be read first, and at the end.
   const ProgramMotion* next() const { return taken_ < ready_.size() ? &ready_[taken_] : nullptr; }
   /// Reads some of the program if no motion is ready. Returns false at the end.
   std::expected<bool, ProgramError> read();

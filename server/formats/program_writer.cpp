@@ -17,7 +17,7 @@ namespace {
 /// Decimals of the pose grid (kTipGridMm).
 constexpr int kPoseDecimals = 6;
 
-// The last decimal that a control accepts, mm; 0 if it accepts all.
+// The last decimal that a control accepts, mm, or 0 if it accepts all.
 double rounding_mm(int decimals) {
   return decimals >= kPoseDecimals ? 0 : std::pow(10.0, -decimals);
 }

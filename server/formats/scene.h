@@ -58,8 +58,8 @@ enum class RotaryDirection {
 struct Machine {
   MachineKinematics kinematics = MachineKinematics::kXyz;
   RotaryDirection rotary_direction = RotaryDirection::kTable;
-  /// The tool in the spindle until the first tool change; 0: the scene's only one, or an empty
-  /// spindle.
+  /// The tool in the spindle until the first tool change (0: the scene's only one, or an empty
+  /// spindle).
   ToolId spindle_tool = 0;
   double rapid_mm_per_min = 10000;   ///< traverse rate of G0 and RAPID, > 0
   Dialect dialect = Dialect::kAuto;  ///< for programs whose GcodeEnvironment has no dialect
@@ -74,7 +74,7 @@ struct Scene {
   Machine machine;
   /// Set if the scene requested a target; its `accuracy` equals the values in `settings`.
   std::optional<AccuracyChoice> accuracy;
-  /// The file of each of settings.obstacles as written in the scene; "" unless it is a mesh.
+  /// The file of each of settings.obstacles as written in the scene, or "" unless it is a mesh.
   std::vector<MeshFile> obstacle_files;
   std::vector<Guide> guides;  ///< virtual fixtures that haptic devices feel
   /// In a derived scene: the stock is assumed, so its border has no meaning. Not in the canonical
@@ -113,7 +113,7 @@ struct SceneSource {
 /// a file that cannot be read or is not allowed. If the scene requests a target accuracy, the
 /// values that it leaves out are chosen here (accuracy_choice.h).
 std::expected<Scene, SceneError> parse_scene(std::string_view text, const SceneSource& source);
-/// Reads a scene file; its folder becomes the base folder.
+/// Reads a scene file. Its folder becomes the base folder.
 std::expected<Scene, SceneError> load_scene(const std::filesystem::path& file);
 
 /// Returns the accuracy in the scene's settings.

@@ -157,7 +157,7 @@ struct Row {
   std::string path, value;
 };
 
-// Appends one row per value. A list of numbers is one value; objects and lists of objects are
+// Appends one row per value. A list of numbers is one value. Objects and lists of objects are
 // descended into.
 void flatten(const Json& json, const std::string& path, std::vector<Row>& rows) {
   if (json.is_object()) {

@@ -15,9 +15,9 @@
 namespace kerf {
 
 // Typed access to the JSON values of a scene, with the path of an invalid value in every error.
-// Used by the readers of scenes only; keeps nlohmann-json out of their headers.
+// Used by the readers of scenes only. Keeps nlohmann-json out of their headers.
 
-/// Thrown by the functions below for an invalid value; parse_scene turns it into a SceneError. It
+/// Thrown by the functions below for an invalid value. parse_scene turns it into a SceneError. It
 /// never leaves the scene reader.
 struct SceneRejection {
   std::string path;    ///< JSON path, e.g. "tools[0].diameter_mm"

@@ -46,7 +46,7 @@ Parts parts_of(std::string_view line) {
 }
 
 // The same for a line of Klartext, in which only ";" and "* -" begin a comment. The code has no
-// block number; blanks between quotes are kept.
+// block number. Blanks between quotes are kept.
 Parts klartext_parts_of(std::string_view line) {
   Parts parts;
   std::size_t at = line.find_first_not_of(" \t0123456789");
@@ -150,8 +150,8 @@ class Finder {
     if (klartext_ ? feeds_klartext(parts.code) : has_feed(parts.code)) open_ = false;
   }
 
-  // Returns the tool of a TOOL CALL: its number, or the rank of its name; 0 if the text does not
-  // determine it; nullopt without a call.
+  // Returns the tool of a TOOL CALL: its number, or the rank of its name, or 0 if the text does not
+  // determine it, or nullopt without a call.
   std::optional<ToolId> called_tool(const std::string& code) {
     constexpr std::string_view kCall = "TOOLCALL";
     if (!code.starts_with(kCall)) return std::nullopt;

@@ -46,7 +46,7 @@ class ToolTokenWalk {
   void claim(std::size_t from, std::size_t count = 1) {
     for (std::size_t i = from; i < from + count; ++i) claimed_[i] = true;
   }
-  // The number after a word and its signs; `count` receives the signs and the number.
+  // The number after a word and its signs. `count` receives the signs and the number.
   std::optional<std::size_t> number_after(std::size_t i, std::size_t& count) const {
     std::size_t next = i + 1;
     while (is_sign(next)) ++next;

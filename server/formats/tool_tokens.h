@@ -19,7 +19,7 @@ struct ToolToken {
   bool is_number() const { return word.empty(); }
 };
 
-/// Divides words into tokens. Numbers: 6, 6.35, 6,35, .25, 1/4, 1-1/4 and 1 1/4; a fraction is in
+/// Divides words into tokens. Numbers: 6, 6.35, 6,35, .25, 1/4, 1-1/4 and 1 1/4. A fraction is in
 /// inches. Blanks belong to no token. Accented letters, in UTF-8 or Latin-1, become ASCII ("FRÄSER"
 /// is FRAESER, "diamètre" is DIAMETRE), and the signs of a diameter become the word DIA.
 std::vector<ToolToken> tool_tokens(std::string_view words);

@@ -92,7 +92,7 @@ class Combination {
            facts_.has(Word::kBull) || facts_.has(Word::kTaper);
   }
 
-  // Kinds that exclude each other. A drill may countersink; an end mill drills only as a slot
+  // Kinds that exclude each other. A drill may countersink. An end mill drills only as a slot
   // drill.
   int families() const {
     const bool mills = facts_.has(Word::kEnd) || facts_.has(Word::kMill);

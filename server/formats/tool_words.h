@@ -29,8 +29,8 @@ struct ToolOrigins {
 struct WordedTool {
   ToolShape shape;
   ToolOrigins origins;
-  /// Why the words do not describe this tool, as a clause; "" if they do. With a doubt all origins
-  /// are assumed.
+  /// Why the words do not describe this tool, as a clause, or "" if they do. With a doubt all
+  /// origins are assumed.
   std::string doubt = {};
   bool names_kind = false;  ///< such as "BALL", not only "TOOL"
   bool names_tool = false;  ///< "TOOL", or a noun such as "MILL", "BIT" and "DRILL"

@@ -14,7 +14,7 @@ namespace kerf {
 namespace {
 
 constexpr double kLeastMm = 1, kGreatestMm = 10'000;
-/// Meters read as mm differ by a thousand; mesh and stock also differ in size.
+/// Meters read as mm differ by a thousand. Mesh and stock also differ in size.
 constexpr double kRatioMost = 300;
 constexpr int kDigits = 4;
 

@@ -59,20 +59,20 @@ class BlockHistory {
 
   /// Returns the tiles among `reached` that differ after the strokes `changed` are undone or
   /// redone, as the motions of `set` leave them. `solid`: the block after the set, with or without
-  /// any of these strokes. `reached`: sorted, without duplicates; outside reach() of these strokes
+  /// any of these strokes. `reached`: sorted, without duplicates. Outside reach() of these strokes
   /// nothing changes. The cost depends on the surroundings of these strokes, not on the length of
   /// the history.
   std::expected<std::vector<TileReplacement>, std::string> change(
       const SolidSnapshot& solid, std::span<const FieldTile> reached, const StrokeSet& changed,
       const MotionSet& set, Workers& workers, const std::stop_token& stop = {});
 
-  /// Returns the first motion of a set that removed a quantum of stock; nullopt if none did, or it
-  /// never was stock.
+  /// Returns the first motion of a set that removed a quantum of stock, or nullopt if none did, or
+  /// it never was stock.
   std::expected<std::optional<SurfaceMaker>, std::string> first_to_remove(
       const StockCell& cell, const MotionSet& set, const std::stop_token& stop = {});
 
-  /// Returns the participant whose motion of a set was the first to remove each of these quanta; 0
-  /// if none did, it never was stock, or a journal of version 1 does not say.
+  /// Returns the participant whose motion of a set was the first to remove each of these quanta, or
+  /// 0 if none did, it never was stock, or a journal of version 1 does not say.
   std::expected<std::vector<ParticipantId>, std::string> owners(std::span<const StockCell> cells,
                                                                 const MotionSet& set,
                                                                 const std::stop_token& stop = {});

@@ -50,7 +50,7 @@ class MotionSpans {
   /// A span is at most `growth_mm` longer, along each axis, than its first motion.
   explicit MotionSpans(double growth_mm) : growth_mm_(growth_mm) {}
 
-  /// Adds a motion with a box around its sweep; records ascend.
+  /// Adds a motion with a box around its sweep. Records ascend.
   void add(std::uint64_t record, StrokeId stroke, const Bounds& box);
   /// All spans, in the order of their first records. A later motion may extend one.
   std::span<const MotionSpan> all() const { return spans_; }

@@ -17,7 +17,7 @@ namespace kerf {
 /// are applied when the solid is requested, which reads the journal a second time.
 class RecordedBlock {
  public:
-  /// `sculpture` has the records up to any one; `start` is its solid before the first.
+  /// `sculpture` has the records up to any one. `start` is its solid before the first.
   RecordedBlock(Sculpture sculpture, SolidSnapshot start, std::filesystem::path journal);
 
   /// Applies the next record. The error is one sentence.

@@ -70,7 +70,7 @@ std::expected<RecordedMotions::Windows, std::string> RecordedMotions::windows(
   return windows;
 }
 
-/// Reads windows; neighbors together, because a reader begins some records earlier.
+/// Reads windows, neighbors together, because a reader begins some records earlier.
 std::expected<void, std::string> RecordedMotions::read_windows(
     std::span<const std::uint64_t> firsts, Windows& windows, const std::stop_token& stop) {
   std::vector<RecordRange> ranges;

@@ -43,7 +43,7 @@ ReturnCarver::ReturnCarver(SculptureSettings settings, SolidSnapshot start)
   }
 }
 
-/// Boxes around the content of a tile, with the margin; empty for an empty tile.
+/// Boxes around the content of a tile, with the margin, or empty for an empty tile.
 std::vector<Bounds> ReturnCarver::boxes_of(const DexelTile& tile, FieldTile at) const {
   const auto field = std::ranges::find(start_.fields, at.axis,
                                        [](const DexelSnapshot& f) { return f.grid().axis; });

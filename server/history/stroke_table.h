@@ -43,13 +43,14 @@ class StrokeTable {
   std::span<const Stroke> all() const { return strokes_; }
   /// Returns null if no stroke begins with that record.
   const Stroke* find(StrokeId id) const;
-  /// The stroke of a participant's motion; 0 if it has none, as in journals of version 1.
+  /// The stroke of a participant's motion, or 0 if it has none, as in journals of version 1.
   StrokeId stroke_of(ParticipantId participant, std::uint64_t record) const;
   /// The set of motions that makes up the block after a record.
   MotionSet at(std::uint64_t record) const;
-  /// The newest stroke of a participant begun up to a record and not undone there; 0 without one.
+  /// The newest stroke of a participant begun up to a record and not undone there, or 0 without
+  /// one.
   StrokeId newest(ParticipantId participant, std::uint64_t record) const;
-  /// The stroke of a participant that was undone last, after a record; 0 without one.
+  /// The stroke of a participant that was undone last, after a record, or 0 without one.
   StrokeId last_undone(ParticipantId participant, std::uint64_t record) const;
   /// Whether there is a change of strokes in (after, until].
   bool changes_between(std::uint64_t after, std::uint64_t until) const;

@@ -42,7 +42,7 @@ class Metrics {
   void motion_gap();
 
   std::atomic<std::int64_t> agents{0}, viewers{0}, connections{0};
-  /// End of the validity of the server's certificate, s since 1970; 0 without one.
+  /// End of the validity of the server's certificate, s since 1970, or 0 without one.
   std::atomic<std::int64_t> certificate_expires_s{0};
   /// Requests that wait until their session is loaded.
   std::atomic<std::int64_t> waiting_to_load{0};

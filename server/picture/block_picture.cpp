@@ -38,7 +38,7 @@ bool in_shadow(const DexelSnapshot& field, Vec3 point_mm, Vec3 normal, const Lig
   return dot(normal, light.towards_key) > 0 && meets_stock(field, lifted, light.towards_key);
 }
 
-/// The color along a ray: of the nearest rod or of the block; nullopt if it meets neither.
+/// The color along a ray: of the nearest rod or of the block, or nullopt if it meets neither.
 std::optional<Vec3> color_along(const DexelSnapshot& field, const PictureStyle& style, Vec3 eye_mm,
                                 Vec3 towards, const Light& light) {
   const auto hit = first_hit(field, eye_mm, towards);

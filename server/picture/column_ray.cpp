@@ -179,7 +179,7 @@ std::array<std::int32_t, 2> previous(const Walk& walk) {
   return {walk.i, walk.j - walk.step_y};
 }
 
-/// Height of an element's top above the stock of the previous column, mm; infinite if that is
+/// Height of an element's top above the stock of the previous column, mm, or infinite if that is
 /// empty.
 double step_mm(const DexelSnapshot& field, std::int32_t i, std::int32_t j, std::int32_t top) {
   const ColumnView column = field.view(i, j);

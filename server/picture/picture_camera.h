@@ -12,7 +12,7 @@ class PictureCamera {
   /// `towards_eye`: from the middle of the box, not parallel to Z.
   PictureCamera(const BoxStock& box, double aspect, Vec3 towards_eye);
   Vec3 eye_mm() const { return eye_mm_; }
-  /// Returns the unit vector from the eye through a point of the picture; x and y run from -1 to 1,
+  /// Returns the unit vector from the eye through a point of the picture. x and y run from -1 to 1,
   /// to the right and upwards.
   Vec3 towards(double x, double y) const;
 

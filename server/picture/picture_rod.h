@@ -21,8 +21,8 @@ struct RodHit {
   Vec3 normal;       ///< of the rod there: unit, outward
 };
 
-/// Returns where the ray from `from_mm` along the unit vector `towards` enters a rod; nullopt if it
-/// misses it or begins inside it.
+/// Returns where the ray from `from_mm` along the unit vector `towards` enters a rod, or nullopt if
+/// it misses it or begins inside it.
 std::optional<RodHit> meet(const PictureRod& rod, Vec3 from_mm, Vec3 towards);
 
 }  // namespace kerf

@@ -8,7 +8,7 @@
 namespace kerf {
 
 /// Fills `bytes` with unpredictable data for keys and tokens from the operating system's generator
-/// (getrandom(2)). Returns false if the system has none; the bytes are then not random. Callable on
+/// (getrandom(2)). Returns false if the system has none. The bytes are then not random. Callable on
 /// every thread.
 [[nodiscard]] bool fill_random(std::span<std::byte> bytes) noexcept;
 

@@ -76,12 +76,12 @@ class Access {
 
   AccessResult<Issued> invite(const std::string& session, const Invitation& invitation);
   /// Gives the holder of an invitation its own pass, with a lasting name (at most 64 bytes; the
-  /// invitation's takes precedence) and color. `network`: of the client; empty: unknown.
+  /// invitation's takes precedence) and color. `network`: of the client (empty: unknown).
   AccessResult<Issued> redeem(std::string_view token, const std::string& session,
                               const std::string& name, const std::string& network = {});
   /// The grants of a session that have not expired, the oldest first.
   std::vector<Grant> grants(std::string_view session) const;
-  /// Ends a grant, and the passes given for it; returns their ids.
+  /// Ends a grant, and the passes given for it. Returns their ids.
   AccessResult<std::vector<std::string>> revoke(std::string_view session, const std::string& id);
   /// The grant of a person: for a pass of an invitation by name, that invitation; otherwise `id`.
   /// Ending it keeps the person out.

@@ -21,9 +21,9 @@ struct AccessToken {
   std::string text() const { return "kerf_" + id + "_" + secret; }
 };
 
-/// Returns a new token; nullopt if the system's random generator fails.
+/// Returns a new token, or nullopt if the system's random generator fails.
 std::optional<AccessToken> new_access_token();
-/// Parses a token; nullopt for any other text.
+/// Parses a token, or nullopt for any other text.
 std::optional<AccessToken> parse_access_token(std::string_view text);
 
 /// The least length of the administrator's token.

@@ -34,7 +34,7 @@ class GrantFile {
     std::vector<Grant> grants;
     std::vector<SessionRegion> regions;
   };
-  /// Reads everything; empty if there is no file.
+  /// Reads everything. Empty if there is no file.
   std::expected<Content, std::string> read();
   /// Adds a grant, or replaces the one of the same id.
   Done put(const Grant& grant);

@@ -34,8 +34,8 @@ enum class Action : std::uint8_t {
 bool may(Role role, Action action);
 
 /// Returns whether a caller may change an existing thing: its own with the right `own`, and any
-/// with Action::kModerate. `author` is the grant with which it was made; empty: nobody's in
-/// particular. Holders of a shared invitation count as one.
+/// with Action::kModerate. `author` is the grant with which it was made (empty: nobody's in
+/// particular). Holders of a shared invitation count as one.
 bool may_change(const Caller& caller, std::string_view author, Action own);
 
 /// The name of an action in errors and on the wire, e.g. "run_programs".

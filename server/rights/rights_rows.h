@@ -21,7 +21,7 @@ inline constexpr const char* kRegionKind = "region";
 /// A grant without its session; of its token only the hash.
 AttachmentChange stored(const Grant& grant);
 AttachmentChange stored(const Region& region);
-/// Decodes an attachment of a session; nullopt for another kind or invalid bytes.
+/// Decodes an attachment of a session, or nullopt for another kind or invalid bytes.
 std::optional<Grant> grant_of(const Attachment& attachment, const std::string& session);
 std::optional<Region> region_of(const Attachment& attachment);
 

@@ -20,7 +20,7 @@ constexpr std::string_view to_string(Role role) {
   return kRoleNames[static_cast<std::size_t>(role)];
 }
 
-/// Returns the role of an invitation: watcher, sculptor or owner; nullopt for any other text.
+/// Returns the role of an invitation: watcher, sculptor or owner, or nullopt for any other text.
 constexpr std::optional<Role> parse_role(std::string_view name) {
   for (const Role role : {Role::kWatcher, Role::kSculptor, Role::kOwner}) {
     if (to_string(role) == name) return role;

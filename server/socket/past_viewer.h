@@ -33,7 +33,7 @@ class PastViewer : public std::enable_shared_from_this<PastViewer> {
   bool is_shown() const { return is_shown_; }
   void acknowledge(std::uint64_t sequence);
   void look(const ViewerLook& look);
-  /// Sets the viewer's budget, bytes of mesh frames per second; 0: unlimited.
+  /// Sets the viewer's budget, bytes of mesh frames per second (0: unlimited).
   void set_budget(std::uint32_t bytes_per_s);
   /// Continues playing, and sends frames that have waited for the budget. Call about thirty times a
   /// second.

@@ -34,7 +34,7 @@ class PeerSocket : public std::enable_shared_from_this<PeerSocket> {
   /// than the time that a stopping server waits for its peers.
   static constexpr std::chrono::milliseconds kLeaveTime{1500};
 
-  /// `remaining_s`: time until the peer's grant expires; negative: never.
+  /// `remaining_s`: time until the peer's grant expires (negative: never).
   PeerSocket(ByteStream stream, std::string_view protocol, std::int64_t remaining_s,
              std::chrono::milliseconds leave_time = kLeaveTime);
 

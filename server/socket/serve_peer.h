@@ -13,7 +13,7 @@
 namespace kerf::net {
 
 /// Serve an agent or a viewer until its WebSocket closes. Both take over an accepted connection
-/// whose upgrade request has been read and checked; `caller` is identified by the request's token.
+/// whose upgrade request has been read and checked. `caller` is identified by the request's token.
 void serve_agent(ByteStream stream, UpgradeRequest request, std::shared_ptr<Session> session,
                  Caller caller, PeerContext& context);
 void serve_viewer(ByteStream stream, UpgradeRequest request, std::shared_ptr<Session> session,

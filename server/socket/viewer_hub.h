@@ -23,7 +23,7 @@ namespace kerf::net {
 
 /// The viewers of one session. While it has viewers it reads the session's state about thirty times
 /// a second, has changed tiles meshed on the meshing thread and distributes the frames. Runs on the
-/// viewers' thread; agents never wait for it. Readings go directly from the session's thread to the
+/// viewers' thread. Agents never wait for it. Readings go directly from the session's thread to the
 /// meshing thread, so a viewers' thread that sends to a crowd does not delay them.
 class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
  public:
@@ -37,7 +37,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   void acknowledge(ParticipantId id, std::uint64_t sequence);
   /// Sets the viewpoint of a viewer. Only the newest counts.
   void look(ParticipantId id, const ViewerLook& look);
-  /// Sets a viewer's budget, bytes of mesh frames per second; 0: unlimited.
+  /// Sets a viewer's budget, bytes of mesh frames per second (0: unlimited).
   void set_budget(ParticipantId id, std::uint32_t bytes_per_s);
   /// Shows a viewer the past, or the present again.
   void seek(ParticipantId id, const SeekMessage& seek);
@@ -48,7 +48,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   static constexpr std::size_t kCamerasMax = 8;
   /// Minimum interval between two messages with cameras; longer for a crowd.
   static constexpr std::chrono::milliseconds kCameraInterval{60}, kCrowdCameraInterval{500};
-  /// Viewers of the past per session; each has a copy of the block.
+  /// Viewers of the past per session. Each has a copy of the block.
   static constexpr std::size_t kPastViewersMax = 4;
   /// With more viewers the hub reads the session 20 times a second instead of 30, and sends tool
   /// poses with the tiles.

@@ -6,12 +6,12 @@
 
 namespace kerf {
 
-/// A function to call once; it may own move-only state.
+/// A function to call once. It may own move-only state.
 using Work = std::move_only_function<void()>;
 
 /// Interface of a thread or thread pool that runs posted work. The executor of a session runs one
-/// piece of work at a time, in the order of posting; a worker pool runs several at a time.
-/// IoThreads implements it; tests use ManualExecutor.
+/// piece of work at a time, in the order of posting. A worker pool runs several at a time.
+/// IoThreads implements it. Tests use ManualExecutor.
 class Executor {
  public:
   virtual ~Executor() = default;

@@ -62,7 +62,7 @@ void FairQueue::State::leave(const std::string& name) {
   if (client->second.jobs.empty() && client->second.running == 0) clients.erase(client);
 }
 
-/// The next job in turn; null if none may begin. Precondition: locked.
+/// The next job in turn, or null if none may begin. Precondition: locked.
 WaitingPointer FairQueue::State::take() {
   if (is_closed || running == parallel || turns.empty()) return nullptr;
   const auto next = std::ranges::min_element(

@@ -11,7 +11,7 @@
 
 namespace kerf {
 
-/// Runs `work()` on `threads`; the awaiting coroutine continues on its own thread with the result.
+/// Runs `work()` on `threads`. The awaiting coroutine continues on its own thread with the result.
 template <typename Work>
 boost::asio::awaitable<std::invoke_result_t<Work&>> run_on(IoThreads& threads, Work work) {
   using Result = std::invoke_result_t<Work&>;

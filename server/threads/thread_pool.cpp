@@ -27,7 +27,7 @@ void pause() {
 #endif
 }
 
-/// Spins until `happened` is true; returns false after kSpinTime.
+/// Spins until `happened` is true. Returns false after kSpinTime.
 template <class Condition>
 bool spin_until(const Condition& happened) {
   const auto until = Clock::now() + kSpinTime;

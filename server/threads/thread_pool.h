@@ -15,7 +15,7 @@
 namespace kerf {
 
 /// A pool of threads that share the jobs of run() with its caller. The caller works too, so it
-/// never waits for a thread to wake up. Several callers may share a pool; a caller that finds it
+/// never waits for a thread to wake up. Several callers may share a pool. A caller that finds it
 /// busy does its jobs alone. After a run in which a helper that had lost its core delayed the
 /// caller, the next runs are done without helpers.
 class ThreadPool final : public Workers {

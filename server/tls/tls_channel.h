@@ -22,7 +22,7 @@ enum class TlsStep : std::uint8_t {
   kFailed,      ///< failure() says why; the channel must not be used any more
 };
 
-/// One TLS connection over a connected TCP socket. Has no threads and never waits; its owner waits
+/// One TLS connection over a connected TCP socket. Has no threads and never waits. Its owner waits
 /// for the socket. Calls must not overlap.
 class TlsChannel {
  public:

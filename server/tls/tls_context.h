@@ -46,7 +46,7 @@ class TlsCertificate {
   /// For new connections.
   TlsContext current() const;
   /// Why clients reject the present certificate: it has expired, or is not valid yet. One sentence,
-  /// with the dates; nullopt if its dates are valid.
+  /// with the dates, or nullopt if its dates are valid.
   std::optional<std::string> fault() const;
   /// Reads the files again. Existing connections continue with the previous certificate. If the
   /// files cannot be used, or the certificate is not valid now, the previous one stays, and the

@@ -24,7 +24,7 @@ struct UdpAddress {
 
 /// Parses a numeric IPv4 or IPv6 address.
 std::optional<UdpAddress> to_address(const std::string& text, std::uint16_t port);
-/// Returns the port that the socket is bound to; 0 if it is not bound.
+/// Returns the port that the socket is bound to, or 0 if it is not bound.
 std::uint16_t port_of(int socket);
 /// Makes the system report the local address to which each datagram was sent.
 void request_local_address(int socket, int family);

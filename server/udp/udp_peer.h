@@ -30,13 +30,13 @@ class UdpSocket {
   int descriptor_;
 };
 
-/// The UDP connection of one agent; it lasts as long as its WebSocket.
+/// The UDP connection of one agent. It lasts as long as its WebSocket.
 class UdpPeer : public std::enable_shared_from_this<UdpPeer> {
  public:
   /// Receives a frame of the agent, on the agent's executor.
   using Take = std::function<void(std::span<const std::byte> frame, Clock::time_point arrived)>;
 
-  /// Datagrams waiting for the agent's executor; more are dropped.
+  /// Datagrams waiting for the agent's executor. More are dropped.
   static constexpr int kWaitingMax = 64;
   /// Three times the rate of an agent at 1 kHz. More would delay the other agents of the session.
   static constexpr double kDatagramsPerS = 3000;

@@ -23,12 +23,12 @@ class UdpPort {
   UdpPort(const UdpPort&) = delete;
   UdpPort& operator=(const UdpPort&) = delete;
 
-  /// Starts listening; call once. Port 0: the system picks one. The error is one sentence.
+  /// Starts listening. Call once. Port 0: the system picks one. The error is one sentence.
   std::expected<void, std::string> listen(const std::string& address, std::uint16_t port);
   /// 0 if it is not listening.
   std::uint16_t port() const noexcept { return port_; }
 
-  /// Creates a connection with its own keys; null if UDP is off. `take` is called on `executor`,
+  /// Creates a connection with its own keys, or null if UDP is off. `take` is called on `executor`,
   /// which must exist until the peer is closed.
   std::shared_ptr<UdpPeer> open(Executor& executor, UdpPeer::Take take);
   /// Stops posting to the peer's executor and invalidates its keys.

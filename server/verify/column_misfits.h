@@ -35,7 +35,7 @@ class ColumnMisfits {
   /// Returns the part of `material` farther than the tolerance outside the part, whose material()
   /// must not be null.
   std::optional<ColumnMisfit> rest(std::span<const Dexel> material, std::int32_t i, std::int32_t j);
-  /// Distances from the part computed so far; one takes about a microsecond.
+  /// Distances from the part computed so far. One takes about a microsecond.
   std::size_t distances() const { return distances_; }
 
  private:

@@ -130,7 +130,7 @@ class Sampler {
   }
 
   // Finds where the normal is perpendicular to the velocity: A cos(angle) + B sin(angle) + C = 0.
-  // If every angle solves it, uses the given one; if none does, the surface is that of an end.
+  // If every angle solves it, uses the given one. If none does, the surface is that of an end.
   void add_grazing(Circle circle, double angle, std::vector<CutPoint>& points) const {
     const MovingTool& tool = solid_.sweeps()[circle.sweep];
     const auto& [r, h, nr, nh] = circle.outline;

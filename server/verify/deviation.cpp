@@ -24,7 +24,7 @@ Rgb color_of(double mm, double range_mm) {
           mixed(kZero[2], end[2], share)};
 }
 
-/// Queries a reference for consecutive points; each result is the hint of the next query.
+/// Queries a reference for consecutive points. Each result is the hint of the next query.
 class DistanceProbe {
  public:
   explicit DistanceProbe(const MeshDistance& reference) : reference_(reference) {}

@@ -12,7 +12,7 @@ struct DistanceSample {
   double weight = 1;
 };
 
-/// Statistics of distances, which may be signed; the percentiles are those of the absolute values.
+/// Statistics of distances, which may be signed. The percentiles are those of the absolute values.
 struct DistanceFigures {
   double min_mm = 0, max_mm = 0, mean_mm = 0, rms_mm = 0;
   double p50_mm = 0, p90_mm = 0, p99_mm = 0;  ///< percentiles by weight

@@ -12,7 +12,7 @@ namespace kerf {
 /// A part that blocks are compared with: its surface, and its material on the rays of a block.
 class PartModel {
  public:
-  /// `surface` is that of `mesh`, in scene coordinates, and must outlive this object; `grid` is
+  /// `surface` is that of `mesh`, in scene coordinates, and must outlive this object. `grid` is
   /// that of the block along Z.
   PartModel(const IndexedMesh& mesh, const MeshDistance& surface, const DexelGrid& grid);
   PartModel(const PartModel&) = delete;
@@ -21,9 +21,10 @@ class PartModel {
   const MeshDistance& surface() const { return surface_; }
   /// Returns the grid of the block.
   const DexelGrid& grid() const { return grid_; }
-  /// Returns the material of the part inside the block's bounds; null if the mesh bounds no solid.
+  /// Returns the material of the part inside the block's bounds, or null if the mesh bounds no
+  /// solid.
   const DexelSnapshot* material() const { return material_ ? &*material_ : nullptr; }
-  /// Returns why the mesh bounds no solid, as a sentence; empty if it does.
+  /// Returns why the mesh bounds no solid, as a sentence, or empty if it does.
   const std::string& fault() const { return fault_; }
 
  private:

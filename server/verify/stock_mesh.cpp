@@ -22,7 +22,7 @@ constexpr double kOnSurfaceMm = 1e-9;
 
 Vec3 twice_area(const std::array<Vec3, 3>& c) { return cross(c[1] - c[0], c[2] - c[0]); }
 
-// Whether the line along Z through p crosses an edge's projection to its left; edges that share an
+// Whether the line along Z through p crosses an edge's projection to its left. Edges that share an
 // end are crossed once (kernel/dexel/mesh_stock.cpp).
 bool crosses(const Vec3& a, const Vec3& b, Vec3 p) {
   if ((a.y > p.y) == (b.y > p.y)) return false;

@@ -25,7 +25,8 @@ class ToolProfile {
     double radial_mm, height_mm;
     double normal_radial, normal_along;
   };
-  /// Returns the length of the outline from the tip up to a height, mm; 0 if that is not positive.
+  /// Returns the length of the outline from the tip up to a height, mm, or 0 if that is not
+  /// positive.
   double outline_length(double up_to_mm) const;
   /// Returns the point at a distance along the outline from the tip; its end if it is shorter.
   OutlinePoint outline_at(double along_mm) const;

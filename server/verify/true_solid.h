@@ -29,7 +29,7 @@ struct QueryEffort {
 class TrueSolid {
  public:
   /// `reach_mm` limits the computed distances from cuts. `tools` must contain every tool of the
-  /// program. `mesh`, if not null, is the stock; `stock` is then its bounding box.
+  /// program. `mesh`, if not null, is the stock. `stock` is then its bounding box.
   TrueSolid(const StockShape& stock, const std::map<ToolId, SceneTool>& tools,
             const std::vector<ProgramMotion>& motions, double reach_mm,
             const TriangleMesh* mesh = nullptr);

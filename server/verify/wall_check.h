@@ -41,7 +41,7 @@ class WallCheck {
  public:
   /// Samples the surface with about `candidates` points. The scene and the program must outlive
   /// this object. The effort is limited by the number of motions, because a program may cut a point
-  /// any number of times; the report has the spacing reached.
+  /// any number of times. The report has the spacing reached.
   WallCheck(const Scene& scene, const Program& program, std::size_t candidates,
             const std::stop_token& stop = {});
 

@@ -57,7 +57,7 @@ class ByteStream {
   void end_sending();
   /// Whether the peer has closed its end, as far as data has arrived.
   bool has_peer_ended();
-  /// Closes the socket; operations in progress end with an error.
+  /// Closes the socket. Operations in progress end with an error.
   void close();
 
   template <class Buffers, class Token>
@@ -87,7 +87,7 @@ class ByteStream {
  private:
   static constexpr std::size_t kRecordBytes = std::size_t{16} * 1024;
   static constexpr std::size_t kHeldBytesMax = 2048;
-  /// Parts of a message that are sent at once; further parts are sent afterwards.
+  /// Parts of a message that are sent at once. Further parts are sent afterwards.
   using Parts = std::array<boost::asio::const_buffer, 6>;
   using Attempt = std::move_only_function<TlsStep(std::size_t& count)>;
 

@@ -24,7 +24,7 @@ struct UpgradeRequest;
 /// Deadlines of a WebSocket, and the size of its messages.
 struct WebSocketLimits {
   std::chrono::milliseconds handshake;  ///< for the opening and for the closing handshake
-  /// A peer that is silent for half of this time is pinged; after all of it, reading fails. It
+  /// A peer that is silent for half of this time is pinged. After all of it, reading fails. It
   /// counts from the start of a read, so an owner that does not read for long loses no peer.
   std::chrono::milliseconds idle;
   std::size_t message_bytes;  ///< a longer one ends the connection with close code 1009
@@ -41,7 +41,7 @@ struct HandshakeAnswer {
 
 /// One WebSocket (RFC 6455) over a connected TCP socket, with TLS or without, of a client or a
 /// server: binary and text messages, each in one frame, without compression. At most one read and
-/// one write may be in progress. Everything runs on the executor of the TCP socket; the WebSocket
+/// one write may be in progress. Everything runs on the executor of the TCP socket. The WebSocket
 /// must outlive its operations. Beast's WebSocket is included in web_socket.cpp alone, which takes
 /// 16 s to compile.
 class WebSocket {
@@ -69,7 +69,7 @@ class WebSocket {
   /// and `token` in an Authorization header unless it is empty.
   Awaitable<HandshakeAnswer> shake_hands(std::string_view host, std::string_view target,
                                          std::string_view protocol, std::string_view token = {});
-  /// Waits for the next message; the functions below describe it until the next read.
+  /// Waits for the next message. The functions below describe it until the next read.
   Awaitable<boost::system::error_code> read();
   std::span<const std::byte> message() const;
   std::string_view text() const;
@@ -85,7 +85,7 @@ class WebSocket {
   Awaitable<boost::system::error_code> write(bool text, boost::asio::const_buffer bytes);
   /// Sends a close frame with `code` (RFC 6455, 7.4.1) and waits for the peer's.
   Awaitable<boost::system::error_code> close(std::uint16_t code);
-  /// Closes the TCP socket; operations in progress end with an error.
+  /// Closes the TCP socket. Operations in progress end with an error.
   void cut();
 
  private:

@@ -106,7 +106,7 @@ class ByteReader {
   }
 
   std::size_t at() const noexcept { return at_; }
-  /// Offset of the first number that is not finite; 0 if there is none.
+  /// Offset of the first number that is not finite, or 0 if there is none.
   std::size_t not_finite_at() const noexcept { return not_finite_at_; }
 
  private:

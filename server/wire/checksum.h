@@ -8,7 +8,7 @@
 
 namespace kerf::wire {
 
-/// Returns a checksum of bytes, as defined for mesh frames in README.md; `start` is the checksum of
+/// Returns a checksum of bytes, as defined for mesh frames in README.md. `start` is the checksum of
 /// the preceding bytes. Each step is a bijection of the checksum and of the word, so a change
 /// within one four-byte word is always detected, any other except once in 2^32. It is not a
 /// signature: deliberate changes can include the checksum.

@@ -28,7 +28,7 @@ enum class DecodeErrorCode : std::uint8_t {
 };
 
 /// The reason why a frame was rejected. `offset` is the byte offset of the invalid field in the
-/// frame; `reason` is static text.
+/// frame. `reason` is static text.
 struct DecodeError {
   DecodeErrorCode code = DecodeErrorCode::kTooShort;
   std::size_t offset = 0;
@@ -60,7 +60,7 @@ std::size_t encoded_bytes(const StockPatch& patch) noexcept;
 std::size_t encoded_bytes(const Intents& intents) noexcept;
 
 /// Write one frame to the start of `out`, which must have encoded_bytes(body) bytes, and return
-/// that number. Counts must be within the limits of limits.h; other values are not checked. They do
+/// that number. Counts must be within the limits of limits.h. Other values are not checked. They do
 /// not allocate memory.
 std::size_t encode(const FrameStamp& stamp, const MotionBatch& batch,
                    std::span<std::byte> out) noexcept;
@@ -81,7 +81,7 @@ std::size_t encode(const FrameStamp& stamp, const Intents& intents,
 /// Returns the header of a mesh frame, for a sender that shares the GLB's buffer among receivers.
 std::array<std::byte, kHeaderBytes> mesh_header(const FrameStamp& stamp, std::uint8_t flags,
                                                 std::size_t glb_bytes) noexcept;
-/// The same with a checksum of header and GLB; `glb_sum` is the checksum (checksum.h) of the GLB.
+/// The same with a checksum of header and GLB. `glb_sum` is the checksum (checksum.h) of the GLB.
 std::array<std::byte, kSummedHeaderBytes> summed_mesh_header(const FrameStamp& stamp,
                                                              std::uint8_t flags,
                                                              std::size_t glb_bytes,
@@ -95,7 +95,7 @@ void append(std::vector<std::byte>& out, const FrameStamp& stamp, const Body& bo
   encode(stamp, body, std::span(out).subspan(start));
 }
 
-/// Appends one mesh frame to `out`; `flags` combines kMeshSnapshot and kMeshSnapshotEnd.
+/// Appends one mesh frame to `out`. `flags` combines kMeshSnapshot and kMeshSnapshotEnd.
 inline void append(std::vector<std::byte>& out, const FrameStamp& stamp, const MeshView& mesh,
                    std::uint8_t flags) {
   const std::size_t start = out.size();

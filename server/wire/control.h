@@ -72,7 +72,7 @@ constexpr std::string_view to_string(ErrorCode code) noexcept {
   return kErrorNames[static_cast<std::size_t>(code)];
 }
 
-/// Returns the code named `name`; nullopt for an unknown one, e.g. of a newer peer.
+/// Returns the code named `name`, or nullopt for an unknown one, e.g. of a newer peer.
 constexpr std::optional<ErrorCode> parse_error_code(std::string_view name) noexcept {
   for (std::size_t i = 0; i < kErrorNames.size(); ++i) {
     if (kErrorNames[i] == name) return static_cast<ErrorCode>(i);

@@ -173,7 +173,7 @@ Pong decode_pong(ByteReader& from) noexcept {
   return pong;
 }
 
-/// The durable sequence in the header of a result or a pong; 0 if it states none.
+/// The durable sequence in the header of a result or a pong, or 0 if it states none.
 std::uint64_t decode_durable(std::span<const std::byte> frame, const FrameHeader& header) noexcept {
   std::uint64_t durable = 0;
   if ((header.flags & kStatesDurable) == 0 || header.header_bytes < kDurableHeaderBytes) return 0;
@@ -192,7 +192,7 @@ bool has_its_checksum(std::span<const std::byte> frame, const FrameHeader& heade
          checksum(frame.first(kHeaderBytes), checksum(frame.subspan(header.header_bytes)));
 }
 
-/// Returns the payload size of a type with a fixed one; nullopt for lists, results, meshes and
+/// Returns the payload size of a type with a fixed one, or nullopt for lists, results, meshes and
 /// unknown types.
 std::optional<std::size_t> fixed_payload_bytes(MessageType type) noexcept {
   switch (type) {

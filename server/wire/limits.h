@@ -10,7 +10,7 @@ namespace kerf::wire {
 
 /// Size of the header of a binary frame of version 1.
 inline constexpr std::size_t kHeaderBytes = 32;
-/// Largest header of a later minor version; a reader skips the bytes after kHeaderBytes.
+/// Largest header of a later minor version. A reader skips the bytes after kHeaderBytes.
 inline constexpr std::size_t kMaxHeaderBytes = 256;
 /// Size of the header of a result or a pong that states a durable sequence.
 inline constexpr std::size_t kDurableHeaderBytes = kHeaderBytes + 8;
@@ -36,7 +36,7 @@ inline constexpr std::size_t kMaxResultBytes =
 
 /// Largest frame from an agent or a viewer, text or binary (`limits.frame_bytes`).
 inline constexpr std::size_t kMaxClientFrameBytes = 4096;
-/// Largest frame from the server; mesh frames are the largest ones.
+/// Largest frame from the server. Mesh frames are the largest ones.
 inline constexpr std::size_t kMaxServerFrameBytes = std::size_t{64} << 20;
 /// Longest session identifier and participant name, bytes of UTF-8.
 inline constexpr std::size_t kMaxSessionIdBytes = 64;

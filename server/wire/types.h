@@ -50,7 +50,7 @@ struct MotionSample {
   bool operator==(const MotionSample&) const = default;
 };
 
-/// Up to kMaxSamplesPerMotion samples with consecutive numbers; only the first `count` are sent.
+/// Up to kMaxSamplesPerMotion samples with consecutive numbers. Only the first `count` are sent.
 struct MotionBatch {
   std::uint32_t count = 0;
   std::array<MotionSample, kMaxSamplesPerMotion> samples{};
@@ -77,8 +77,8 @@ struct ContactPlane {
   Vec3 point_mm{};
   /// Unit vector out of the surface: the direction of the contact force.
   Vec3f normal{};
-  /// Penetration at the deepest point of the contact, which may differ from `point_mm`; negative:
-  /// width of the gap.
+  /// Penetration at the deepest point of the contact, which may differ from `point_mm` (negative:
+  /// width of the gap).
   float depth_mm = 0.0F;
   /// Contact force per depth.
   float stiffness_n_per_mm = 0.0F;
@@ -151,7 +151,7 @@ struct StockTile {
   /// Axis of the rays: 0 for X, 1 for Y, 2 for Z.
   std::uint32_t axis = 2;
   std::uint32_t x = 0, y = 0;
-  /// Columns, encoded as specified in README.md; empty: unchanged.
+  /// Columns, encoded as specified in README.md (empty: unchanged).
   std::span<const std::byte> columns;
 };
 
@@ -185,7 +185,7 @@ struct Intent {
   bool operator==(const Intent&) const = default;
 };
 
-/// The tools near an agent's; tools that are not listed are no longer near. Only the first `count`
+/// The tools near an agent's. Tools that are not listed are no longer near. Only the first `count`
 /// are sent.
 struct Intents {
   std::uint32_t count = 0;

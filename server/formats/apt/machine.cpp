@@ -158,7 +158,7 @@ void AptMachine::tool_path(const AptStatement& s) {
   }
 }
 
-// LOADTL/n, LOAD/TOOL,n, TOOLNO/n; adjustments and lengths after the number do not matter.
+// LOADTL/n, LOAD/TOOL,n, TOOLNO/n. Adjustments and lengths after the number do not matter.
 void AptMachine::load_tool(const AptStatement& s) {
   const std::size_t at = s.major == "LOAD" ? 1 : 0;
   if (s.major == "LOAD" && (s.minor.empty() || s.minor[0] != "TOOL"))

@@ -78,7 +78,7 @@ void AptMachine::check_tilt(Vec3 axis) const {
     throw AptFault{"", "tilts the tool, which the scene's machine xyz cannot do"};
 }
 
-// GOTO/x,y,z or x,y,z,i,j,k; three more are the normal of the surface.
+// GOTO/x,y,z or x,y,z,i,j,k. Three more are the normal of the surface.
 ToolPose AptMachine::read_pose(const AptStatement& s) const {
   const std::size_t count = s.minor.size();
   if (count != 3 && count != 6 && count != 9)

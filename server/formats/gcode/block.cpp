@@ -218,7 +218,7 @@ std::optional<std::string_view> message_of(std::string_view line) {
   return std::nullopt;
 }
 
-// Comments in parentheses may be nested and unclosed; surplus ')' are dropped.
+// Comments in parentheses may be nested and unclosed. Surplus ')' are dropped.
 GcodeLine split_nested(std::string_view line) {
   GcodeLine result;
   if (const auto message = message_of(line)) {

@@ -43,12 +43,12 @@ struct GcodeBlock {
   std::vector<GcodeWord> words;  ///< all words except G, M and N
   std::vector<std::pair<GcodeGroup, GcodeCode>> codes;
 
-  /// The code of a modal group; nullptr if the block has none.
+  /// The code of a modal group, or nullptr if the block has none.
   const GcodeCode* code(GcodeGroup group) const;
   /// Removes the codes of a modal group.
   void drop(GcodeGroup group);
   bool has_code(GcodeGroup group, int code) const;
-  /// The word of a letter; nullptr if the block has none.
+  /// The word of a letter, or nullptr if the block has none.
   const GcodeWord* find(char letter) const;
   /// Returns the value of a word and marks it as used.
   std::optional<double> take(char letter);
@@ -65,7 +65,7 @@ struct GcodeLine {
 /// ";py,". Other dialects: comments may be nested, and an unclosed one ends with the line.
 GcodeLine split_gcode_line(std::string_view line, const DialectRules& rules = rules_of({}));
 
-/// Parses the code of one line. Expressions use the parameters from before the line; assignments
+/// Parses the code of one line. Expressions use the parameters from before the line. Assignments
 /// take effect after it. `position_readable` as for GcodeValueReader. Throws GcodeFault.
 GcodeBlock parse_gcode_block(std::string_view code, GcodeParameters& parameters,
                              bool position_readable = true,

@@ -42,7 +42,7 @@ enum class GcodeRapid {
   kMachine  ///< to machine coordinates (G53, G28, G30)
 };
 
-/// The canonical machining functions that the RS-274 interpreter calls, in order of execution; the
+/// The canonical machining functions that the RS-274 interpreter calls, in order of execution. The
 /// terms are those of LinuxCNC and NIST RS274NGC. Implement this interface to receive the motions
 /// of a program from run_gcode. An implementation throws GcodeFault for a call that it cannot
 /// execute. `named` marks the axes for which the block has a word.
@@ -53,7 +53,7 @@ class GcodeCanon {
   GcodeCanon(const GcodeCanon&) = delete;
   GcodeCanon& operator=(const GcodeCanon&) = delete;
 
-  /// Receives the warnings of an implementation; the interpreter sets it and adds file and line.
+  /// Receives the warnings of an implementation. The interpreter sets it and adds file and line.
   using Warn = std::function<void(const std::string&)>;
   void set_warn(Warn warn) { warn_ = std::move(warn); }
 
@@ -69,7 +69,7 @@ class GcodeCanon {
   virtual void arc(const Arc& arc, const GcodeFrame& frame, const GcodePlace& to,
                    const GcodeFeed& feed, std::array<bool, 6> named) = 0;
   /// Cutting motion along a Bézier curve that starts at the controlled point. `points` are the
-  /// other two or three control points in programmed coordinates; the last one is `to`.
+  /// other two or three control points in programmed coordinates. The last one is `to`.
   virtual void spline(const std::vector<Vec3>& points, const GcodeFrame& frame,
                       const GcodePlace& to, const GcodeFeed& feed, std::array<bool, 6> named) = 0;
   /// Rest for `seconds` >= 0.
@@ -78,10 +78,10 @@ class GcodeCanon {
   virtual void select_tool(ToolId) {}
   /// Tool change; nullopt leaves the spindle empty.
   virtual void change_tool(std::optional<ToolId> tool) = 0;
-  /// Sets the active tool offset (G43 and its variants). The controlled point does not move; its
+  /// Sets the active tool offset (G43 and its variants). The controlled point does not move. Its
   /// new coordinates are `at`.
   virtual void offset_tool(const GcodeAxes& offset, const GcodePlace& at) = 0;
-  /// Switches tool-center-point control. The controlled point does not move; returns its new
+  /// Switches tool-center-point control. The controlled point does not move. Returns its new
   /// coordinates.
   virtual GcodePlace control_tool_center(bool on, const GcodePlace& at) = 0;
   /// Tilts the plane of the following positions; nullopt ends that. The tool is away from the

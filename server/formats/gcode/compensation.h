@@ -58,10 +58,10 @@ class CutterCompensation {
   void start_beside(int side, double radius_mm, ArcPlane plane, PlanePoint contour);
   /// Sets the program's length unit, on which LinuxCNC's tolerances depend.
   void set_unit(double unit_mm) { unit_mm_ = unit_mm; }
-  /// Turns compensation off; the tool center stays at `at`. Returns the programmed point if the
+  /// Turns compensation off. The tool center stays at `at`. Returns the programmed point if the
   /// tool was offset from the path.
   std::optional<PlanePoint> end(PlanePoint at);
-  /// Emits the delayed moves; the last one ends at the tool center, `at`.
+  /// Emits the delayed moves. The last one ends at the tool center, `at`.
   void flush(PlanePoint at);
 
   bool on() const { return side_ != 0; }
@@ -74,7 +74,7 @@ class CutterCompensation {
   /// The programmed point; valid while beside().
   PlanePoint programmed() const { return programmed_; }
 
-  /// Add a move to the programmed point `to`. `at` is the tool center; both return the tool center
+  /// Add a move to the programmed point `to`. `at` is the tool center. Both return the tool center
   /// at the end of the move.
   PlanePoint straight(bool rapid, PlanePoint at, PlanePoint to, CompensatedInfo info);
   PlanePoint arc(PlanePoint at, PlanePoint to, const ArcCenter& center, bool clockwise, int turns,

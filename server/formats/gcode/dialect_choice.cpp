@@ -18,7 +18,7 @@ enum class Tongue { kLinuxcnc, kGrbl, kMach3, kFanuc, kHaas, kSiemens, kHeidenha
 constexpr std::size_t kTongues = 7;
 
 // A mark of a tongue outside comments. `code`: a word of a block, not followed by a digit or a
-// point. Marks of Siemens and HEIDENHAIN are whole words of a line with single blanks; all other
+// point. Marks of Siemens and HEIDENHAIN are whole words of a line with single blanks. All other
 // marks are parts of a line without blanks.
 struct Mark {
   std::string_view text;

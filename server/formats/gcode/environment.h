@@ -34,7 +34,7 @@ struct GcodeEnvironment {
   /// Initial values of numbered parameters (parameter_file.h), lengths in the machine's unit. With
   /// them the machine zero is known: the origin of G54 is the scene's origin.
   std::optional<std::map<int, double>> parameters;
-  /// Most lines that the program may execute; more is an error.
+  /// Most lines that the program may execute. More is an error.
   std::size_t lines_max = kGcodeLinesMax;
 };
 

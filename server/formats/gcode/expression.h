@@ -16,7 +16,7 @@ inline constexpr double kGcodeIntegerTolerance = 1e-4;
 inline constexpr double kGcodeEqualTolerance = 1e-4;
 /// Values nearer than this are equal in the comparisons of Macro B, whose controls count decimally.
 inline constexpr double kMacroEqualTolerance = 1e-8;
-/// Deepest nesting of brackets, signs and # in one value; bounds the recursion on hostile lines.
+/// Deepest nesting of brackets, signs and # in one value. Bounds the recursion on hostile lines.
 inline constexpr int kGcodeNestingMax = 100;
 
 /// A parser for the values on one line of G-code in lower case without blanks: numbers,
@@ -46,9 +46,9 @@ class GcodeValueReader {
   double expression();
   /// Reads the number or name of a parameter after its '#'.
   std::variant<int, std::string> parameter_key();
-  /// Reads an integer value; `meaning` names it in the error.
+  /// Reads an integer value. `meaning` names it in the error.
   int integer(const char* meaning);
-  /// Reads "[…]"; the next character must be '['.
+  /// Reads "[…]". The next character must be '['.
   double bracket();
   /// Reads the name after '<' and the closing '>'.
   std::string name();

@@ -5,7 +5,7 @@
 
 namespace kerf {
 
-/// Thrown by the G-code interpreter and by implementations of GcodeCanon for an invalid line;
+/// Thrown by the G-code interpreter and by implementations of GcodeCanon for an invalid line.
 /// run_gcode turns it into a ProgramError with file and line.
 struct GcodeFault {
   std::string word;    ///< the invalid word as written; if empty, the error shows the whole line

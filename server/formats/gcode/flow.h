@@ -71,7 +71,7 @@ class GcodeFlow final : public ProgramFlow {
   void end_loop(const OWord& word);
   Label& label(const OWord& word);
   Label& new_label(const OWord& word, LabelKind kind);
-  /// Continues after the next line whose O word has the name and one of the keywords; returns that
+  /// Continues after the next line whose O word has the name and one of the keywords. Returns that
   /// word. Throws GcodeFault with `reason` if there is no such line.
   OWord skip_to(const std::string& name, std::initializer_list<OWord::Keyword> keywords,
                 const std::string& reason);

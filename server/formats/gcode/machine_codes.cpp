@@ -134,7 +134,7 @@ void GcodeMachine::use_input_output(GcodeBlock& block, int code) {
 }
 
 void GcodeMachine::control_tool_center(bool by_length_code, bool by_m_code) {
-  // The machine does not move; only the coordinates of its position change.
+  // The machine does not move. Only the coordinates of its position change.
   tcp_by_length_code_ = by_length_code;
   tcp_by_m_code_ = by_m_code;
   const GcodePlace at = canon_.control_tool_center(by_length_code || by_m_code, place(at_));

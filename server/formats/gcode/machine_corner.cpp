@@ -47,7 +47,7 @@ CompensatedInfo GcodeMachine::info_of(const Corner& corner, const GcodeAxes& to)
           .line = corner.line};
 }
 
-// Makes the first line up to the corner, and the corner; the second line follows to `next`.
+// Makes the first line up to the corner, and the corner. The second line follows to `next`.
 void GcodeMachine::cut_corner(const GcodeAxes& next) {
   const Corner corner = *corner_;
   corner_.reset();

@@ -13,7 +13,7 @@ namespace {
 
 using namespace gcode_parameter;
 
-// LinuxCNC has 9 systems, Macro B 6; systems from 10 are the additional ones of Macro B.
+// LinuxCNC has 9 systems, Macro B 6. Systems from 10 are the additional ones of Macro B.
 int system_parameter(int system) {
   return system < 10 ? kSystem + kSystemStride * system
                      : kMoreSystemsFirst + kSystemStride * (system - 10);
@@ -101,7 +101,7 @@ GcodeAxes GcodeMachine::applied_shift() const {
   return parameters_.numbered(kShiftApplied) != 0 ? stored_axes(kShift) : GcodeAxes{};
 }
 
-// The machine does not move; only the coordinates of its position change.
+// The machine does not move. Only the coordinates of its position change.
 void GcodeMachine::change_frame(const GcodeFrame& frame) {
   const GcodeAxes here = frame_.absolute(at_);
   frame_ = frame;

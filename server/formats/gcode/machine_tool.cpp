@@ -10,7 +10,7 @@ namespace kerf {
 namespace {
 
 constexpr int kToolNumberMax = 1'000'000'000;
-// Positions nearer than this are equal; they differ by rounding.
+// Positions nearer than this are equal. They differ by rounding.
 constexpr double kSamePlaceMm = 1e-6;
 
 int tool_integer(double value, int least, const GcodeWord& word) {
@@ -27,7 +27,7 @@ const ToolTableEntry* GcodeMachine::tool(int number) const {
   return it == setup_.tools.end() ? nullptr : &it->second;
 }
 
-// Returns the tool of an H, D, Q or P word. 0 is the loaded tool; an empty spindle has length and
+// Returns the tool of an H, D, Q or P word. 0 is the loaded tool. An empty spindle has length and
 // diameter 0.
 const ToolTableEntry& GcodeMachine::tool_of_word(const GcodeWord& word) const {
   static const ToolTableEntry kEmptySpindle;

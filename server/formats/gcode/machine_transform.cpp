@@ -67,7 +67,7 @@ void GcodeMachine::end_transform() {
   untransformed_.reset();
 }
 
-// Installs a frame. The machine does not move; the coordinates of its position change.
+// Installs a frame. The machine does not move. The coordinates of its position change.
 void GcodeMachine::set_transform(const GcodeFrame& frame) {
   const GcodeAxes before = at_;
   change_frame(frame);

@@ -46,7 +46,7 @@ class MacroFlow final : public ProgramFlow {
 
   /// Removes M97, M98 or M99 with its P and L from a block and returns the call, or nullopt.
   static std::optional<Call> take_call(GcodeBlock& block);
-  /// Reads "g65p…" or "g66p…"; nullopt for any other code.
+  /// Reads "g65p…" or "g66p…", or nullopt for any other code.
   std::optional<Call> read_macro_call(std::string_view code) const;
   /// G67 ends the calls of G66.
   void end_modal() { modal_.reset(); }

@@ -52,7 +52,7 @@ class MacroIndex {
 };
 
 /// The number of a sequence or program at the beginning of a code, after its letter: "n10g0" gives
-/// 10 and, in `rest`, "g0"; nullopt if there is none.
+/// 10 and, in `rest`, "g0", or nullopt if there is none.
 std::optional<int> leading_number(std::string_view code, std::string_view letters,
                                   std::string_view& rest);
 

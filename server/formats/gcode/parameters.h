@@ -9,14 +9,14 @@
 
 namespace kerf {
 
-/// Highest number of a parameter; the lowest is 1 (LinuxCNC's limit).
+/// Highest number of a parameter. The lowest is 1 (LinuxCNC's limit).
 inline constexpr int kGcodeParameterMax = 5601;
 /// Highest number and highest local one of Macro B (Fanuc, Haas, Mach3).
 inline constexpr int kMacroParameterMax = 10999;
 inline constexpr int kMacroLocalParameters = 33;
 /// #1 to #30 are local to a subroutine and receive its arguments.
 inline constexpr int kGcodeLocalParameters = 30;
-/// Most named parameters in one scope; bounds the memory of hostile loops.
+/// Most named parameters in one scope. Bounds the memory of hostile loops.
 inline constexpr std::size_t kGcodeNamesMax = 10'000;
 
 /// Numbers of the parameters with a special meaning, as in LinuxCNC. The offsets X Y Z A B C U V W
@@ -52,7 +52,7 @@ inline constexpr int kPositionLast = 5428;
 inline constexpr int kDebug = 5599;
 }  // namespace gcode_parameter
 
-/// The #-parameters of a running program. Numbered parameters are 0 until assigned; named ones do
+/// The #-parameters of a running program. Numbered parameters are 0 until assigned. Named ones do
 /// not exist until assigned. Names with a leading '_' are global, all other names local to the
 /// subroutine that assigns them. Throws GcodeFault.
 class GcodeParameters {

@@ -8,7 +8,7 @@
 
 namespace kerf {
 
-/// The active plane (G17, G18, G19); its normal is the third axis.
+/// The active plane (G17, G18, G19). Its normal is the third axis.
 enum class ArcPlane { kXy, kZx, kYz };
 
 /// A point in the coordinates of a plane, mm: along its first and second axis (X Y, Z X or Y Z) and

@@ -10,9 +10,9 @@
 
 namespace kerf {
 
-/// Reads a G-code program in the dialect of `environment` as motions of a scene's tools;
-/// read_program calls it for files of G-code. `name` is the file name for errors.
-/// README.md in this folder lists the supported codes; any other code is an error.
+/// Reads a G-code program in the dialect of `environment` as motions of a scene's tools.
+/// read_program calls it for files of G-code. `name` is the file name for errors. README.md in this
+/// folder lists the supported codes. Any other code is an error.
 std::expected<ReadProgram, ProgramError> read_gcode(const std::string& name, std::string_view text,
                                                     const Scene& scene,
                                                     const GcodeEnvironment& environment,

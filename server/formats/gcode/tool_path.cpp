@@ -123,7 +123,7 @@ void GcodeToolPath::rapid(const GcodePlace& absolute, GcodeRapid kind, std::arra
   const GcodePlace to = in_workpiece(absolute);
   check_turn(to);
   if (kind == GcodeRapid::kMachine && !zero_known_) {
-    // Without the machine zero the target is unknown; the tool leaves the workpiece.
+    // Without the machine zero the target is unknown. The tool leaves the workpiece.
     sink_.lift();
     for (std::size_t i = 0; i < 3; ++i)
       if (named[i]) known_[i] = false;
@@ -264,7 +264,7 @@ void GcodeToolPath::offset_tool(const GcodeAxes& offset, const GcodePlace& at) {
 
 GcodePlace GcodeToolPath::control_tool_center(bool on, const GcodePlace& at) {
   if (on == tool_center_) return at;
-  // The machine does not move; only the coordinates of its position change.
+  // The machine does not move. Only the coordinates of its position change.
   const Vec3 tip = pose(at_).tip_mm;
   tool_center_ = on;
   set_linear(at_.axes, programmed_from_tip(scene_.machine, on, tip, rotary(at_.axes)));

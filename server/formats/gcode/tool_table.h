@@ -24,7 +24,7 @@ struct ToolTableEntry {
   int orientation = 0;  ///< Q of a lathe tool, 1 to 9; 0 and 9 are symmetric about the spindle
 };
 
-/// A controller's tool table; the key is the tool number.
+/// A controller's tool table. The key is the tool number.
 using ToolTable = std::map<int, ToolTableEntry>;
 
 /// Most tools of a table (LinuxCNC's limit).

@@ -28,7 +28,7 @@ std::string read_value(std::string_view text, std::size_t& at) {
   return value;
 }
 
-// Without comment and block number, in upper case with single blanks; names in quotes are kept.
+// Without comment and block number, in upper case with single blanks. Names in quotes are kept.
 std::string clean(std::string_view line) {
   std::string text;
   bool quoted = false;
@@ -75,7 +75,7 @@ std::string first_block(std::string_view program) {
   return {};
 }
 
-// Returns the corner in the words of a BLK FORM; incremental coordinates are relative to `from`.
+// Returns the corner in the words of a BLK FORM. Incremental coordinates are relative to `from`.
 std::optional<Vec3> blank_corner(const std::vector<KlartextWord>& words, Vec3 from, double unit) {
   Vec3 corner;
   bool stated[3] = {};

@@ -28,7 +28,7 @@ struct KlartextBlock {
 /// Most labels of a program: HEIDENHAIN numbers them up to 65,535.
 inline constexpr std::size_t kKlartextLabelsMax = 65'536;
 
-/// A program divided into blocks; stores only their offsets. Structure comments ("* - …"), empty
+/// A program divided into blocks. Stores only their offsets. Structure comments ("* - …"), empty
 /// blocks and those with "/" are skipped.
 class KlartextBlocks {
  public:
@@ -66,7 +66,7 @@ struct KlartextWord {
 /// Divides "X+10 IY-5.5 R0 FMAX M3" into words. Commas are decimal points.
 std::vector<KlartextWord> klartext_words(std::string_view text);
 
-/// Returns the stock of BLK FORM 0.1 and 0.2, in mm; nullopt if the program has none, or another
+/// Returns the stock of BLK FORM 0.1 and 0.2, in mm, or nullopt if the program has none, or another
 /// form of it, or a corner that is not three numbers.
 std::optional<StockShape> klartext_blank(std::string_view program);
 

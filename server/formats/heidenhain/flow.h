@@ -18,11 +18,12 @@ class KlartextFlow {
   KlartextFlow(const KlartextBlocks& blocks, KlartextValues& values, std::size_t executed_max)
       : blocks_(blocks), values_(values), executed_max_(executed_max) {}
 
-  /// Moves to the next block; nullptr at the end. Throws KlartextFault above the limit of blocks.
+  /// Moves to the next block. Returns nullptr at the end. Throws KlartextFault above the limit of
+  /// blocks.
   const KlartextBlock* next();
   /// Executes the current block if it is control flow or assigns a parameter.
   bool execute();
-  /// The text of the block after the current one; "" at the end.
+  /// The text of the block after the current one, or "" at the end.
   const std::string& following() const;
   std::size_t line() const { return block_.line; }
   const std::string& text() const { return block_.text; }

@@ -224,7 +224,7 @@ void KlartextMachine::call_tool(std::string text) {
   direction_.reset();
 }
 
-// Reads Z, S, F, the oversize DR, and other words if they are 0; advances `at` to the value of
+// Reads Z, S, F, the oversize DR, and other words if they are 0. Advances `at` to the value of
 // "DR2:+0".
 void KlartextMachine::tool_word(const Words& words, std::size_t& at) {
   KlartextWord word = words[at];

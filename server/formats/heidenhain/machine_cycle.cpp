@@ -74,7 +74,7 @@ double KlartextMachine::cycle_value(const char* name, double missing) const {
   return it == cycle_.end() ? missing : it->second;
 }
 
-// M99, M89 and CYCL CALL: the cycle at the current position; `raised_mm` shifts its surface.
+// M99, M89 and CYCL CALL: the cycle at the current position. `raised_mm` shifts its surface.
 void KlartextMachine::call_cycle(double raised_mm) {
   if (cycle_number_ == 0) throw KlartextFault{"M99", "calls a cycle that is not defined"};
   refuse_in_corner("M99");

@@ -13,7 +13,7 @@ namespace kerf {
 namespace {
 
 constexpr double kSamePointMm = 1e-6;
-/// Greatest difference of an arc's radii at its ends, mm; ends are written with three decimals.
+/// Greatest difference of an arc's radii at its ends, mm. Ends are written with three decimals.
 constexpr double kRadiusDifferenceMm = 0.02;
 constexpr double kTurnsMax = 1000;
 constexpr std::string_view kAxes = "XYZ";
@@ -47,7 +47,7 @@ bool KlartextMachine::clockwise(const Words& words) {
 // The end of the path, including a delayed line.
 Vec3 KlartextMachine::place() const { return corner_ ? corner_->at : path_.position(); }
 
-// X, Y, Z and IX, IY, IZ; other axes keep their values.
+// X, Y, Z and IX, IY, IZ. Other axes keep their values.
 Vec3 KlartextMachine::target(const Words& words, std::array<bool, 3>& named) const {
   const bool moves_level = find(words, "X") != nullptr || find(words, "Y") != nullptr ||
                            find(words, "IX") != nullptr || find(words, "IY") != nullptr;
@@ -210,7 +210,7 @@ void KlartextMachine::to_machine(const Words& words, const Extras& extras) {
   path_.line(path_.position(), angles, rapid ? std::nullopt : std::optional(feed()), {});
 }
 
-// RND and CHF between two lines; the first line is delayed.
+// RND and CHF between two lines. The first line is delayed.
 void KlartextMachine::corner(const Words& words, bool chamfer) {
   if (!corner_) throw KlartextFault{chamfer ? "CHF" : "RND", "must stand behind a straight line"};
   for (const KlartextWord& word : words) {

@@ -99,7 +99,7 @@ class KlartextPath {
   /// Removes whole turns from the angles of `axes`: C is then from 0 to 360 degrees; A and B, which
   /// tilt, keep their sign.
   void reduce_angles(std::string_view axes);
-  /// Moves to programmed coordinates; `named` are the linear axes that the block names.
+  /// Moves to programmed coordinates. `named` are the linear axes that the block names.
   void line(Vec3 to, const RotaryAngles& angles, std::optional<double> feed_mm_per_min,
             std::array<bool, 3> named);
   /// The same, while the tool turns to an axis in the workpiece: tables by their angles, a machine

@@ -42,7 +42,7 @@ constexpr std::array kFunctions{
                                             return v > 0 ? 1.0 : v < 0 ? -1.0 : 0.0;
                                           }}};
 
-// Sums of products of powers; a function binds closer than a power.
+// Sums of products of powers. A function binds closer than a power.
 class Formula {
  public:
   Formula(std::string_view text, const KlartextValues& values) : values_(values) {

@@ -31,7 +31,7 @@ class CollapsingMesh {
     return {positions_[t[0]], positions_[t[1]], positions_[t[2]]};
   }
 
-  /// Calls visit(triangle, corner) for the triangles around a vertex; `corner` is the vertex.
+  /// Calls visit(triangle, corner) for the triangles around a vertex. `corner` is the vertex.
   /// Precondition: the vertex has triangles.
   template <class Visit>
   void for_around(std::uint32_t vertex, Visit&& visit) const {

@@ -310,7 +310,7 @@ class EdgeCollapser {
     return true;
   }
 
-  // The triangle whose edge to the tip begins at a vertex; nullptr if that edge existed before.
+  // The triangle whose edge to the tip begins at a vertex, or nullptr if that edge existed before.
   Moved* beside_edge(std::uint32_t vertex) {
     for (Moved& moved : moved_)
       if (triangle(moved.triangle)[(moved.tip + 2) % 3] == vertex) return &moved;

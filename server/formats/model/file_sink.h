@@ -17,12 +17,12 @@ namespace kerf {
 /// callers check once, in finish().
 class FileSink {
  public:
-  /// Creates or truncates the file; ok() is false if that failed.
+  /// Creates or truncates the file. ok() is false if that failed.
   explicit FileSink(const std::filesystem::path& path);
 
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
-  /// Overwrites bytes written before; the next write() continues at the end.
+  /// Overwrites bytes written before. The next write() continues at the end.
   void patch(std::uint64_t offset, std::span<const std::byte> bytes);
   std::uint64_t bytes() const { return bytes_; }
   bool ok() const { return error_ == 0; }

@@ -72,7 +72,7 @@ class GlbDocument {
     json_["meshes"][0]["primitives"].push_back(std::move(primitive));
   }
 
-  /// Returns the JSON text; `binary_bytes` is the length of the binary chunk's content.
+  /// Returns the JSON text. `binary_bytes` is the length of the binary chunk's content.
   std::string text(std::uint64_t binary_bytes) {
     if (binary_bytes > 0) {
       // Vertex colors multiply the base color, which is therefore white.

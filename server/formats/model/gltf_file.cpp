@@ -69,7 +69,7 @@ class MeshoptViews {
   MeshoptViews(Json& json, std::span<const std::byte> binary)
       : json_(json), binary_(binary), unpacked_max_(kUnpackedShareMax * binary.size()) {}
 
-  /// Returns the bytes to append to the binary chunk; the JSON refers to them.
+  /// Returns the bytes to append to the binary chunk. The JSON refers to them.
   std::string unpack() {
     for (const std::size_t view : views_needed()) {
       const Json extension =
@@ -208,7 +208,7 @@ Json geometry_json(std::string_view text, const std::stop_token& stop) {
   return kept;
 }
 
-/// The content of the binary chunk; empty without one.
+/// The content of the binary chunk, or empty without one.
 std::span<const std::byte> binary_chunk(std::span<const std::byte> rest) {
   if (rest.size() < kChunkHeader || word_at(rest, 4) != kBinaryChunk) return {};
   const auto content = rest.subspan(kChunkHeader);

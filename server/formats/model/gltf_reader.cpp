@@ -10,7 +10,7 @@
 #include "server/formats/model/mesh_reader.h"
 
 // Reads binary glTF 2.0: the triangles of the nodes of its scene. Lengths are meters and +Y is up
-// (glTF 2.0, 3.4); they become mm with +Z up. Materials, textures, skins and animations are
+// (glTF 2.0, 3.4). They become mm with +Z up. Materials, textures, skins and animations are
 // ignored, so the pose is that of the nodes.
 
 namespace kerf {

@@ -51,7 +51,7 @@ IndexedMesh collect_mesh(MeshSource& source, const std::stop_token& stop) {
 }
 
 EdgeReport check_edges(std::span<const std::array<std::uint32_t, 3>> triangles) {
-  // Sorting brings the half-edges of an edge together; the lowest bit is their direction.
+  // Sorting brings the half-edges of an edge together. The lowest bit is their direction.
   std::vector<std::pair<std::uint64_t, bool>> sides;
   sides.reserve(triangles.size() * 3);
   for (const auto& t : triangles) {

@@ -32,7 +32,7 @@ struct IndexedMesh {
 /// Returns a mesh with its positions in floats, relative to the least corner of its bounding box.
 IndexedMesh indexed_mesh(const TriangleMesh& mesh);
 
-/// Reads a whole source and merges its vertices; needs about 24 bytes per triangle. Ends early,
+/// Reads a whole source and merges its vertices. Needs about 24 bytes per triangle. Ends early,
 /// with part of the surface, if a stop is requested.
 IndexedMesh collect_mesh(MeshSource& source, const std::stop_token& stop = {});
 

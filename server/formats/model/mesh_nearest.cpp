@@ -104,7 +104,7 @@ double MeshNearest::squared_to(std::uint32_t place, Vec3 point) const {
   const auto& [a, b, c] = corners_[place];
   const Vec3 away = point - nearest_on_triangle({plain(a), plain(b), plain(c)}, point).point;
   const double d = dot(away, away);
-  // A triangle with two equal corners is skipped; its neighbors contain its points.
+  // A triangle with two equal corners is skipped. Its neighbors contain its points.
   return d >= 0 ? d : std::numeric_limits<double>::infinity();
 }
 

@@ -13,7 +13,7 @@ namespace kerf {
 /// and safe for concurrent use.
 class MeshNearest {
  public:
-  /// The mesh must have at least one triangle; it is copied, 36 bytes per triangle.
+  /// The mesh must have at least one triangle. It is copied, 36 bytes per triangle.
   explicit MeshNearest(const IndexedMesh& mesh);
 
   struct Found {
@@ -21,7 +21,7 @@ class MeshNearest {
     std::uint32_t triangle;
   };
   /// Returns the nearest triangle and its squared distance from a point, which is relative to the
-  /// mesh's origin. `near` is a hint, the index of a triangle; a good one is faster. Among equally
+  /// mesh's origin. `near` is a hint, the index of a triangle. A good one is faster. Among equally
   /// near triangles the choice depends on the hint. The search may end early with any triangle
   /// within `enough_mm2`.
   Found find(Vec3 point, std::uint32_t near, double enough_mm2 = 0) const;

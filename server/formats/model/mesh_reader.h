@@ -27,9 +27,9 @@ using MeshFileResult = std::expected<TriangleMesh, MeshFileError>;
 
 /// Reads a mesh: STL (binary, ASCII), PLY (ASCII, both byte orders), OBJ (8-bit, UTF-16), 3MF,
 /// binary glTF. Coordinates are the file's numbers, in 3MF and GLB mm by the file's unit and +Z up.
-/// Polygons are split into fans of triangles; colors, normals, textures and other attributes are
+/// Polygons are split into fans of triangles. Colors, normals, textures and other attributes are
 /// ignored. Vertices with equal coordinates are merged, as are those on open edges nearer than 1e-6
-/// of the diagonal; triangles with two equal corners are dropped. The time is linear in the bytes
+/// of the diagonal. Triangles with two equal corners are dropped. The time is linear in the bytes
 /// and triangles for any content. Ends soon after a stop is requested (kStopped).
 MeshFileResult read_mesh(MeshFileFormat format, std::span<const std::byte> bytes,
                          std::uint64_t triangles_max = kMeshTrianglesMax,

@@ -7,7 +7,7 @@
 
 namespace kerf {
 
-/// Thrown inside the readers of 3MF and GLB; never leaves them.
+/// Thrown inside the readers of 3MF and GLB. Never leaves them.
 struct MeshRejection {
   MeshFileError error;
 };

@@ -31,7 +31,7 @@ class MeshSource {
   virtual ~MeshSource() = default;
   /// Returns the scene coordinates of position (0, 0, 0), mm.
   virtual Vec3 origin_mm() const = 0;
-  /// Returns the upper bounds of all positions, relative to the origin; the lower bounds are >= 0.
+  /// Returns the upper bounds of all positions, relative to the origin. The lower bounds are >= 0.
   virtual Vec3 size_mm() const = 0;
   /// Replaces `piece` by the next one, which may have no triangles. Returns false at the end.
   virtual bool next(MeshPiece& piece) = 0;

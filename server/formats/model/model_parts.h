@@ -19,7 +19,7 @@ struct CoordinateLoss {
   float farthest_mm = 0;
 };
 
-/// Arguments of a format's writer; model_writer.cpp selects the writer.
+/// Arguments of a format's writer. model_writer.cpp selects the writer.
 struct ModelOutput {
   FileSink& sink;
   const std::filesystem::path& path;  ///< of the sink; temporary files are created next to it
@@ -89,7 +89,7 @@ inline void put_vector(std::string& out, std::string_view word, const std::array
   }
 }
 
-/// Returns the unit normal of a triangle; zero if its corners are collinear.
+/// Returns the unit normal of a triangle, or zero if its corners are collinear.
 std::array<float, 3> facet_normal(const std::array<std::array<float, 3>, 3>& corners);
 
 /// Returns the name without control characters.

@@ -18,7 +18,7 @@ namespace kerf {
 enum class ModelFormat : std::uint8_t { kStl, kGlb, k3mf, kPly, kObj };
 inline constexpr std::array kModelFormats{ModelFormat::kStl, ModelFormat::kGlb, ModelFormat::k3mf,
                                           ModelFormat::kPly, ModelFormat::kObj};
-/// Encoding of a format; model_encodings() lists those of each format.
+/// Encoding of a format. model_encodings() lists those of each format.
 enum class ModelEncoding : std::uint8_t {
   kBinary,     ///< STL, PLY
   kAscii,      ///< STL, OBJ
@@ -34,11 +34,11 @@ const char* to_string(ModelFormat format);
 const char* to_string(ModelEncoding encoding);
 /// Returns the media type of the format, e.g. "model/stl".
 const char* media_type(ModelFormat format);
-/// Returns the format of a name; empty if unknown.
+/// Returns the format of a name, or empty if unknown.
 std::optional<ModelFormat> model_format(std::string_view name);
 /// Returns the encodings of a format, the default first.
 std::span<const ModelEncoding> model_encodings(ModelFormat format);
-/// Returns the encoding of a name; empty if the format does not have it.
+/// Returns the encoding of a name, or empty if the format does not have it.
 std::optional<ModelEncoding> model_encoding(ModelFormat format, std::string_view name);
 
 /// Receives the fraction of the work done, 0 to 1, at intervals; may be empty.
@@ -49,8 +49,8 @@ struct ModelError {
 };
 struct ModelSummary {
   std::uint64_t triangles = 0, vertices = 0, bytes = 0;
-  /// Triangles whose corners coincide, or are collinear, after rounding to floats in the scene; 0
-  /// for a GLB, whose positions are relative to the block.
+  /// Triangles whose corners coincide, or are collinear, after rounding to floats in the scene, or
+  /// 0 for a GLB, whose positions are relative to the block.
   std::uint64_t collapsed = 0;
   double farthest_mm = 0;  ///< greatest magnitude of a coordinate in the file; 0 for a GLB
 };

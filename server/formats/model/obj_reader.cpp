@@ -96,7 +96,7 @@ class ObjReader {
     }
   }
 
-  /// Parses "7", "7/1", "7/1/2" or "7//2"; negative numbers count back from the newest vertex.
+  /// Parses "7", "7/1", "7/1/2" or "7//2". Negative numbers count back from the newest vertex.
   std::optional<std::uint32_t> read_corner(std::string_view word) {
     const auto number = word_number<std::int64_t>(word.substr(0, word.find('/')));
     if (!number) {
@@ -125,8 +125,8 @@ class ObjReader {
   std::optional<MeshFileError> error_;
 };
 
-/// Returns text in UTF-16 with a byte order mark as bytes; empty for other text. Only comments and
-/// names have characters beyond ASCII: each becomes a question mark.
+/// Returns text in UTF-16 with a byte order mark as bytes, or empty for other text. Only comments
+/// and names have characters beyond ASCII: each becomes a question mark.
 std::optional<std::string> narrow_text(std::string_view text) {
   const bool little = text.starts_with("\xff\xfe"), big = text.starts_with("\xfe\xff");
   if (!little && !big) return std::nullopt;

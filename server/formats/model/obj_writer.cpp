@@ -4,7 +4,7 @@
 
 namespace kerf {
 
-// Positions are shared, so that the indices form a closed surface; normals have separate indices,
+// Positions are shared, so that the indices form a closed surface. Normals have separate indices,
 // so that creases stay sharp. Colors follow the coordinates, the form that most readers accept.
 ModelResult write_obj(const ModelOutput& output) {
   const std::string name = one_line(output.request.title);

@@ -11,7 +11,7 @@
 
 namespace kerf {
 
-/// Limits of a simplification; at least one must be set.
+/// Limits of a simplification. At least one must be set.
 struct SimplifyRequest {
   std::optional<std::uint64_t> triangles;  ///< maximum number of triangles, > 0
   std::optional<double> error_mm;          ///< maximum distance from the exact surface, mm, > 0
@@ -31,7 +31,7 @@ struct SimplifiedMesh {
 /// Reduces the number of triangles by collapsing edges (edge_collapse.h). The result is closed and
 /// 2-manifold, and its error is measured. Where it exceeds the bound, or triangles cross
 /// (mesh_crossings.h), the surrounding surface is kept and collapsing is repeated. With a number of
-/// triangles only, smaller errors are tried as long as it is reached; if it is too small for a
+/// triangles only, smaller errors are tried as long as it is reached. If it is too small for a
 /// result without crossings, the one with fewest is returned. Needs the whole surface in memory,
 /// about 300 bytes per triangle. Errors: limits that cannot be met, with the smallest number of
 /// triangles reached; a requested stop, which ends each of the steps.

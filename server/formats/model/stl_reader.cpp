@@ -104,7 +104,7 @@ class AsciiReader {
       return;
     }
     expect("normal");
-    // Normals are ignored; exporters write nan for those of degenerate facets.
+    // Normals are ignored. Exporters write nan for those of degenerate facets.
     for (int n = 0; n < 3 && !error_; ++n) words_.next();
     expect("outer");
     expect("loop");

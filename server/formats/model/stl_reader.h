@@ -20,7 +20,7 @@ using StlTriangle = std::array<Vec3, 3>;
 /// Default limit of facets.
 inline constexpr std::uint64_t kStlFacetsMax = 20'000'000;
 
-/// Reads a binary or ASCII STL file. Facet normals are ignored, because they are often wrong; the
+/// Reads a binary or ASCII STL file. Facet normals are ignored, because they are often wrong. The
 /// order of the corners defines the orientation. A file that begins with "solid" is binary if its
 /// length matches its facet count. Ends soon after a stop is requested (kStopped).
 std::expected<std::vector<StlTriangle>, MeshFileError> read_stl(

@@ -21,12 +21,12 @@ class TextWords {
       : text_(text), backslash_joins_(backslash_joins) {}
   std::size_t line() const { return line_; }
   std::size_t position() const { return at_; }
-  /// Returns the next word; empty at the end.
+  /// Returns the next word, or empty at the end.
   std::string_view next() {
     skip(true);
     return take();
   }
-  /// Returns the next word of this line; empty at its end.
+  /// Returns the next word of this line, or empty at its end.
   std::string_view next_in_line() {
     skip(false);
     return take();
@@ -46,7 +46,7 @@ class TextWords {
     return text_[at_] == '\n' ||
            (text_[at_] == '\r' && (at_ + 1 == text_.size() || text_[at_ + 1] != '\n'));
   }
-  /// The number of characters of a backslash and the line end after it; 0 if there is none here.
+  /// The number of characters of a backslash and the line end after it, or 0 if there is none here.
   std::size_t joint_size() const {
     if (!backslash_joins_ || text_[at_] != '\\') return 0;
     const std::string_view rest = text_.substr(at_ + 1, 2);

@@ -40,7 +40,7 @@ constexpr std::string_view kPath =
 constexpr std::uint64_t kObjectsMax = 100'000;
 constexpr std::uint64_t kElementBytesMax = std::uint64_t{1} << 20U;
 
-/// Parses one model part; expat calls it for each element.
+/// Parses one model part. Expat calls it for each element.
 class PartReader {
  public:
   PartReader(std::string name, ThreemfCount& count)

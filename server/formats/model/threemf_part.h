@@ -13,7 +13,7 @@
 
 namespace kerf {
 
-/// Rows of an affine map; a point is a row on its left (core specification of 3MF, 3.3).
+/// Rows of an affine map. A point is a row on its left (core specification of 3MF, 3.3).
 struct ThreemfTransform {
   std::array<double, 12> m{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
 

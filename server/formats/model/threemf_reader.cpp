@@ -8,7 +8,7 @@
 #include "server/formats/model/zip_reader.h"
 
 // Reads the 3D Manufacturing Format: core specification 1.3 and, of the production extension, the
-// paths to other parts. Reads the build items with their components; skips supports, open surfaces,
+// paths to other parts. Reads the build items with their components. Skips supports, open surfaces,
 // colors and materials.
 
 namespace kerf {

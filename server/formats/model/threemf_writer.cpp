@@ -13,7 +13,7 @@
 namespace kerf {
 namespace {
 
-// Coordinates as text compress to a third at any level; higher levels take several times as long.
+// Coordinates as text compress to a third at any level. Higher levels take several times as long.
 constexpr int kDeflateLevel = 2;
 
 /// Connects minizip to a FileSink: it appends, and seeks back once per part to write its length.

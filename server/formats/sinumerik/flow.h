@@ -50,7 +50,7 @@ class SinumerikFlow {
   SinumerikFlow(const SinumerikProgram& program, SinumerikValues& values, std::size_t executed_max)
       : program_(program), values_(values), left_(executed_max) {}
 
-  /// The next line that is not control flow; nullopt at the end. Throws GcodeFault.
+  /// The next line that is not control flow, or nullopt at the end. Throws GcodeFault.
   std::optional<SinumerikLine> next();
   /// The number of the line that next() returned or failed at, from 1.
   std::size_t line() const { return at_; }

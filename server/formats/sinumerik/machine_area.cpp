@@ -13,7 +13,8 @@
 namespace kerf {
 namespace {
 
-/// Indices of a cycle's arguments, from 0; -1 for a missing one. All begin with RTP, RFP, SDIS, DP.
+/// Indices of a cycle's arguments, from 0, or -1 for a missing one. All begin with RTP, RFP, SDIS,
+/// DP.
 struct AreaCycle {
   std::string_view name;
   int dpr, length, width, corner, x, y, turn, infeed, side, floor, feed, plunge, variant, count;

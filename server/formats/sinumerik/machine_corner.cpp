@@ -41,7 +41,7 @@ void SinumerikMachine::release_corner() {
   go_straight(corner.at, corner.named, false, corner.feed);
 }
 
-// Makes the first line up to the corner, and the corner; the second line follows to `next`.
+// Makes the first line up to the corner, and the corner. The second line follows to `next`.
 void SinumerikMachine::cut_corner(const GcodeAxes& next) {
   const Corner corner = *std::exchange(corner_, std::nullopt);
   const PlanePoint a = in_plane(linear(programmed()), plane_),

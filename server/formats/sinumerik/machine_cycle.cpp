@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-/// Indices of arguments, from 0; -1 for a missing one. All begin with RTP, RFP, SDIS, DP, DPR.
+/// Indices of arguments, from 0, or -1 for a missing one. All begin with RTP, RFP, SDIS, DP, DPR.
 struct HoleCycle {
   std::string_view name;
   int dwell, feed;

@@ -45,7 +45,7 @@ void SinumerikMachine::shift(Words& words, bool adds) {
   for (std::size_t i = 3; i < 6; ++i) frame_.origin[i] = 0;
 }
 
-// ROT Z… and ROT RPL=… in XY; about another axis the plane would tilt.
+// ROT Z… and ROT RPL=… in XY. About another axis the plane would tilt.
 void SinumerikMachine::rotate(Words& words, bool adds) {
   if (!adds) frame_ = {};
   for (SinumerikWord& word : words) {
@@ -61,7 +61,7 @@ void SinumerikMachine::rotate(Words& words, bool adds) {
   }
 }
 
-// The machine does not move; the coordinates of its position change.
+// The machine does not move. The coordinates of its position change.
 void SinumerikMachine::follow_tool(bool on) {
   if (on && scene_.machine.kinematics == MachineKinematics::kXyz)
     throw GcodeFault{"TRAORI",
