@@ -18,8 +18,7 @@ namespace {
 // Greatest distance between the mesh and the true solid, in pitches. With rays along Z alone it
 // occurs at steep walls and their edges, with three fields at features smaller than the pitch.
 constexpr double kErrorPerPitchDexel = 0.9, kErrorPerPitchTriDexel = 0.75;
-// From the true solid to the mesh the error may be larger here, because the mesh lacks such
-// features.
+// Exception from the true solid to the mesh, which may lack such features.
 constexpr const char* kExcept =
     "; more where a wall or groove is thinner than the pitch or an edge sharper than 80 degrees";
 // Contribution of the errors of dexel ends and arc chords, in tolerances.
