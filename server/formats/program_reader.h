@@ -34,7 +34,7 @@ class ProgramReader {
   Program program_;
 };
 
-/// Starts to read a program again that has been read to its end, in the same way.
+/// Starts to read a program again that has been read to its end, with the same settings.
 using OpenProgram = std::function<std::unique_ptr<ProgramReader>()>;
 
 /// Receives the motions of a program that is read to its end.

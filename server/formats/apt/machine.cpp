@@ -48,7 +48,7 @@ constexpr std::array<std::string_view, 32> kWithoutEffect{"END",
                                                           "AIR",
                                                           "CLAMP"};
 
-/// Statements that move or place the tool or the workpiece in unsupported ways.
+/// Unsupported statements that move or place the tool or the workpiece.
 constexpr std::array<std::string_view, 29> kRefused{
     "GOFWD",  "GOBACK", "GOLFT",  "GORGT",  "GOUP",   "GODOWN", "GO",     "GOCLER",
     "TLLFT",  "TLRGT",  "TLON",   "MOVARC", "SPLINE", "NURBS",  "THREAD", "POCKET",
