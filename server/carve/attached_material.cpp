@@ -17,8 +17,7 @@ bool overlap(const Dexel& a, const Dexel& b) { return a.bottom < b.top && b.bott
 
 /// The elements of a row of columns.
 struct AttachedMaterial::Row {
-  std::vector<std::size_t>
-      first;  ///< first element of each column, and the end; into elements and labels
+  std::vector<std::size_t> first;  ///< first element of each column, and the end
   std::vector<Dexel> elements;
   std::vector<std::uint32_t> labels;
 };

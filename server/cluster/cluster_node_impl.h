@@ -61,9 +61,8 @@ struct ClusterNode::Impl {
   SessionRegistry* registry = nullptr;
   std::function<void(const LoadReport&)> report;
   OwnLeases own;
-  std::map<std::string, std::string>
-      faults;                 ///< renewer's thread only: faults of sessions, as logged
-  std::int64_t noted_ns = 0;  ///< renewer's thread only
+  std::map<std::string, std::string> faults;  ///< renewer only: faults of sessions, as logged
+  std::int64_t noted_ns = 0;                  ///< renewer's thread only
 
   mutable std::mutex mutex;  ///< guards the members below; while it is held only the mutex of
                              ///< OwnLeases may be locked

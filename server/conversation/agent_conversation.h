@@ -127,8 +127,7 @@ class AgentConversation final : public Conversation {
   bool has_udp_ = false;
   SampleGate gate_;
   wire::Result last_answer_;
-  std::array<OutDatagram, 2>
-      datagrams_;  ///< an answer has at most two: the force of another participant, and the result
+  std::array<OutDatagram, 2> datagrams_;  ///< an answer: another's force, and the result
   std::size_t datagrams_queued_ = 0, datagrams_taken_ = 0;
 };
 

@@ -20,8 +20,7 @@ namespace {
 /// Vertices on a side of the lattice: one in each cell.
 constexpr int kSide = kCellsOfTile;
 constexpr std::uint32_t kNoVertex = ~std::uint32_t{0};
-constexpr float kKept =
-    std::numeric_limits<float>::infinity();  ///< error of a vertex that must stay
+constexpr float kKept = std::numeric_limits<float>::infinity();  ///< a vertex that must stay
 /// Greatest sideways distance of a dropped vertex from the middle of its neighbors, pitches. In a
 /// smooth surface each vertex is near the middle of its cell.
 constexpr float kBesideMax = 0.5F;

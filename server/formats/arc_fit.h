@@ -15,8 +15,7 @@ struct FittedArc {
   PlanePoint center;              ///< in the plane; its normal coordinate is 0
   bool counterclockwise = false;  ///< seen against the plane's normal: G3
   bool helical = false;           ///< the tip moves along the normal, too
-  bool keeps_center =
-      false;  ///< the radii at both ends may differ, so the center must not be moved
+  bool keeps_center = false;      ///< the radii at the ends may differ: do not move the center
   friend bool operator==(const FittedArc& a, const FittedArc& b) {
     return a.plane == b.plane && a.center.first == b.center.first &&
            a.center.second == b.center.second && a.counterclockwise == b.counterclockwise &&

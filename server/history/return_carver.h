@@ -20,8 +20,7 @@ namespace kerf {
 /// Stock of one tile that may come back, and the motions that may still remove part of it.
 struct ReturnJob {
   FieldTile at;
-  std::shared_ptr<const DexelTile>
-      stock;  ///< in: stock that may come back; out: the stock that does, or null
+  std::shared_ptr<const DexelTile> stock;     ///< in: candidates; out: stock that returns, or null
   std::vector<const MotionSpan*> spans = {};  ///< that meet it
   std::size_t next = 0;                       ///< in spans
 };

@@ -13,10 +13,9 @@ namespace kerf {
 /// A point of the true solid's surface: cut by a tool, or of the stock mesh.
 struct CutPoint {
   Vec3 mm;
-  Vec3 into_solid;  ///< unit normal, out of the tool
-  std::uint32_t
-      sweep;         ///< the motion that cut it; the number of motions for the stock's own surface
-  double share = 0;  ///< fraction of the motion at which the tool touches it
+  Vec3 into_solid;      ///< unit normal, out of the tool
+  std::uint32_t sweep;  ///< motion that cut it; number of motions: the stock's
+  double share = 0;     ///< fraction of the motion at which the tool touches it
 };
 
 /// Points spread over the surface of a solid.

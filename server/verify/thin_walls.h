@@ -20,9 +20,8 @@ struct ThinWall {
   /// The same or a later motion, which cut the other side; the number of motions if that is the
   /// stock's own.
   std::uint32_t other_sweep;
-  bool groove = false;  ///< void between two sides, not solid
-  bool missing =
-      false;  ///< set by mark_missing(): no column around the point is solid (or void) there
+  bool groove = false;   ///< void between two sides, not solid
+  bool missing = false;  ///< mark_missing(): no column nearby is solid (or void)
 };
 
 /// Definition of a thin wall.

@@ -82,8 +82,7 @@ std::optional<AptStatement> AptStatements::next() {
                             .text = free_text(lines_.line(), word.size()),
                             .is_text = true,
                             .creo = creo_};
-    std::size_t looked =
-        0;  // a comment cannot begin before it, so that long statements are searched once
+    std::size_t looked = 0;  // long statements are searched once
     while (true) {
       if (const std::size_t comment = text.find("$$", looked); comment != std::string::npos)
         text.erase(comment);

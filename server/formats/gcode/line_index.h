@@ -26,8 +26,7 @@ class LineIndex {
   char end_;
   std::vector<std::size_t> starts_;
   std::size_t size_ = 0;
-  mutable std::size_t next_ = 0,
-                      next_at_ = 0;  ///< the line after the last one returned, and its offset
+  mutable std::size_t next_ = 0, next_at_ = 0;  ///< the next line, and its offset
 };
 
 }  // namespace kerf

@@ -177,8 +177,8 @@ std::vector<std::vector<std::uint32_t>> open_loops(const TriangleMesh& mesh,
       surplus[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
     }
   }
-  std::map<std::uint32_t, std::vector<std::uint32_t>>
-      next;  // the missing triangles use them in the opposite direction
+  // The missing triangles use these edges in the opposite direction.
+  std::map<std::uint32_t, std::vector<std::uint32_t>> next;
   for (const auto& [edge, count] : surplus) {
     const auto [from, to] = count > 0 ? std::pair(edge.second, edge.first) : edge;
     for (int n = 0; n < std::abs(count); ++n) next[from].push_back(to);
