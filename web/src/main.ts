@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import './marks';
+import './model/marks';
 import '@fontsource-variable/inter/wght.css';
 import './ui/style/index.css';
 import { joinEarly } from './link/early_socket';
@@ -10,7 +10,7 @@ async function main(): Promise<void> {
   document.documentElement.lang = language;
   await loadTexts();
   joinEarly();
-  const { showPage } = await import('./page');
+  const { showPage } = await import('./shell/page');
   await showPage();
 }
 

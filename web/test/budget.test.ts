@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
 import { viewBudget } from '../src/link/budget';
-import { helloText } from '../src/link/early_socket';
+import { helloText } from '../src/link/hello';
 import { SessionModel } from '../src/model/session';
 import { connectionText } from '../src/ui/badge';
 import { parseControl } from '../src/wire/control';

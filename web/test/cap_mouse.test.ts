@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { cameraStep } from '../src/model/cap_push';
-import { capMouse, CapMouse } from '../src/ui/cap_mouse';
+import { capMouse, CapMouse } from '../src/carve/devices/cap_mouse';
 import { FakeElement, stubPage } from './support/fake_dom';
 import { fakeMouse } from './support/fake_space_mouse';
 import type { FakeMouse } from './support/fake_space_mouse';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import type { ForceCurve } from '../src/link/history';
+import type { ForceCurve } from '../src/model/force_curve';
 import { cutCurveOf, spanAt } from '../src/model/cut_curve';
 import { CutControl } from '../src/ui/programs/cut_control';
 import type { FeedCurve } from '../src/model/program_path';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { EarlySocket, joinEarly, openView } from '../src/link/early_socket';
-import type { Socket } from '../src/link/view_link';
+import type { Socket } from '../src/link/socket';
 import { VIEW_PROTOCOL } from '../src/wire/types';
 
 const URL_OF_S = 'ws://host:1/v1/sessions/s/view';

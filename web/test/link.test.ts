@@ -2,10 +2,13 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import WebSocket from 'ws';
 import { Backoff } from '../src/link/backoff';
-import { EarlySocket, helloText } from '../src/link/early_socket';
+import { EarlySocket } from '../src/link/early_socket';
+import { helloText } from '../src/link/hello';
 import { redirectTarget } from '../src/link/redirect';
 import { ViewLink } from '../src/link/view_link';
-import type { LinkOptions, LinkStatus, Socket } from '../src/link/view_link';
+import type { LinkOptions } from '../src/link/view_link';
+import type { LinkStatus } from '../src/model/link_status';
+import type { Socket } from '../src/link/socket';
 import { VIEW_PROTOCOL } from '../src/wire/types';
 import { SessionModel } from '../src/model/session';
 import { FakeServer } from './support/fake_server.mjs';

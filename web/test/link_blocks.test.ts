@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it, vi } from 'vitest';
 import { ViewLink } from '../src/link/view_link';
-import type { Socket } from '../src/link/view_link';
+import type { Socket } from '../src/link/socket';
 import { encodeFrame } from '../src/wire/encode';
 import { FrameType } from '../src/wire/types';
 

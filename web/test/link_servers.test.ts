@@ -3,7 +3,8 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { Backoff } from '../src/link/backoff';
 import type { Rejection } from '../src/link/api';
 import { ViewLink } from '../src/link/view_link';
-import type { LinkStatus, Socket } from '../src/link/view_link';
+import type { LinkStatus } from '../src/model/link_status';
+import type { Socket } from '../src/link/socket';
 import { SessionModel } from '../src/model/session';
 
 const PATH = '/v1/sessions/demo/view';

@@ -2,7 +2,7 @@
 import { expect, test } from 'vitest';
 import { isRight, placedBox, placementJson, unplaced } from '../src/model/placement';
 import { meshScene } from '../src/model/new_block';
-import type { Box } from '../src/model/new_block';
+import type { Box } from '../src/model/box';
 
 const BOX: Box = { min: [0, 0, 0], max: [1, 2, 3] };
 

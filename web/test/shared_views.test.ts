@@ -2,7 +2,8 @@
 import { Vector3 } from 'three';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { SessionModel } from '../src/model/session';
-import type { TogetherHost, TogetherParts } from '../src/ui/together/mount';
+import type { TogetherParts } from '../src/ui/together/host';
+import type { TogetherHost } from '../src/ui/together/host';
 import { SharedViews } from '../src/ui/together/shared_views';
 import type { CameraMarks } from '../src/view/camera_marks';
 import type { Viewer } from '../src/view/viewer';

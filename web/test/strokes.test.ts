@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import { changeStroke, listStrokes } from '../src/link/strokes';
-import type { Stroke } from '../src/link/strokes';
+import type { Stroke } from '../src/model/stroke';
 import { nextStroke, whyNotUndo } from '../src/model/stroke_choice';
 
 function stroke(id: number, participant: number, undone = false): Stroke {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import type { Stroke } from '../src/link/strokes';
+import type { Stroke } from '../src/model/stroke';
 import type { StateMessage } from '../src/wire/types';
 import {
   barsOf,

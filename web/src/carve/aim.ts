@@ -5,11 +5,11 @@
 import type { Bounds } from '../model/session';
 import type { OutlinePoint, ToolProfile } from '../model/tool_profile';
 import type { Vec3 } from '../wire/types';
-import type { Pose } from './path_queue';
+import type { Pose } from './tool/path_queue';
 import type { Hit } from '../model/surface';
 import type { Ray } from './surface';
 import { across, distance, dot, minus, plus, unitOf } from '../model/vector';
-import { angleBetween, lerp, turned } from './vectors';
+import { angleBetween, lerp, turned } from './tool/vectors';
 
 /** `surface`: the tip follows the surface; `plane`: it stays on a plane through the stroke's start. */
 export type AimMode = 'surface' | 'plane';

@@ -8,7 +8,7 @@ import { socketUrl } from '../link/address';
 import { Backoff } from '../link/backoff';
 import { Servers } from '../link/servers';
 import { Silence } from '../link/silence';
-import type { Socket } from '../link/view_link';
+import type { Socket } from '../link/socket';
 import { parseAgentControl } from '../wire/agent_control';
 import type { AgentHello, AgentMessage, AgentRequest, AgentWelcome } from '../wire/agent_control';
 import { decodeFrame } from '../wire/decode';

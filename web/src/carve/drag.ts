@@ -11,10 +11,10 @@
 // pointer again some 0.2 s after the force has ended. Without force it is at the pointer at once.
 // The path is the pointer's, so the cut has the same shape at any strength.
 
-import { lerp, slerp } from './vectors';
-import type { Pose } from './path_queue';
+import { lerp, slerp } from './tool/vectors';
+import type { Pose } from './tool/path_queue';
 import { between } from './pointer_path';
-import type { Place } from './pointers';
+import type { Place } from './place';
 
 export type DragStrength = 'off' | 'light' | 'strong';
 export const DRAG_STRENGTHS: readonly DragStrength[] = ['off', 'light', 'strong'];

@@ -11,9 +11,9 @@ import { Aim } from './aim';
 import type { AimSettings, Sight } from './aim';
 import { Drag } from './drag';
 import type { DragStep } from './drag';
-import type { Pose } from './path_queue';
+import type { Pose } from './tool/path_queue';
 import { PointerPath } from './pointer_path';
-import type { Place } from './pointers';
+import type { Place } from './place';
 import { Sampler } from './sampler';
 import { Surface } from './surface';
 

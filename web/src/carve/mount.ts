@@ -4,38 +4,11 @@
 import { t } from '../strings';
 import { iconButton } from '../ui/dom';
 import { ICONS } from '../ui/icons';
-import type { SessionModel } from '../model/session';
-import type { OneOpen } from '../ui/one_open';
-import type { Picture } from '../ui/picture';
-import type { AgentLink, CarveLinkEvents } from './carve_link';
 import type { CarveMode } from './carve_mode';
+import type { CarveHost } from './host';
 import { whyNotCarve } from './reasons';
 import { mountVr } from './vr/mount';
 import type { VrState } from './vr/vr_mode';
-
-/** What carving needs of the page. */
-export interface CarveHost {
-  model: SessionModel;
-  session: string;
-  /** Under which this viewer is in the session, also where the list of people leaves viewers out. */
-  name: () => string;
-  picture: Picture;
-  canvas: HTMLElement;
-  /** Over the picture; does not take the pointer. */
-  overlay: HTMLElement;
-  toolbar: HTMLElement;
-  oneOpen: OneOpen;
-  /** The bar was opened or closed, and covers another part of the picture. */
-  layoutChanged: () => void;
-  /** Makes the link to a block that the page itself carves; missing: a server does. */
-  linkHere?: (events: CarveLinkEvents) => AgentLink;
-  /** Says why something is not done. */
-  say: (text: string) => void;
-  /** Carving begins: the picture is to show the present. */
-  begins: () => void;
-  /** Does what the page does once a frame. */
-  frame: (nowMs: number) => void;
-}
 
 export interface CarveSwitch {
   toggle: () => void;

@@ -3,7 +3,7 @@
 // It passes through the middles between events, with the events as control points (quadratic Bézier
 // curves), so that a fast circle is round. It is half a step behind until the pointer is lifted.
 
-import type { Place } from './pointers';
+import type { Place } from './place';
 
 const STEP_PX = 4;
 const STEPS_MAX = 16; // of one event: each is a ray against the block

@@ -2,21 +2,9 @@
 // Mouse, pen and fingers over the picture while one carves. What carves is kept from the camera's
 // controls; other buttons, and all while Space is held, are theirs.
 
+import type { Place } from './place';
 import { Straight } from './straight';
 import { Touches } from './touches';
-
-/** A place of the picture, CSS pixels from its corner. */
-export interface Place {
-  x: number;
-  y: number;
-  /** Of a pen, 0 to 1; null: the device does not tell. */
-  pressure: number | null;
-  /**
-   * Where the end of a pen leans: the parts of its unit axis to the right and down in the picture;
-   * null: it stands upright, or the device does not tell.
-   */
-  tilt: readonly [right: number, down: number] | null;
-}
 
 export interface PointerActions {
   /** The pointer is over the picture without touching; null: it has left. */

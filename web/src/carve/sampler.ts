@@ -6,9 +6,9 @@ import { BUTTON_CUTTING, BUTTON_DEADMAN } from '../wire/types';
 import type { Vec3 } from '../wire/types';
 import type { Draft } from './sample_log';
 import { distance } from '../model/vector';
-import { PathQueue } from './path_queue';
-import type { PathRequest, Pose, Waiting } from './path_queue';
-import { lerp, slerp } from './vectors';
+import { PathQueue } from './tool/path_queue';
+import type { PathRequest, Pose, Waiting } from './tool/path_queue';
+import { lerp, slerp } from './tool/vectors';
 
 export interface SamplerLimits {
   speedMmPerS: number;

@@ -2,7 +2,7 @@
 // A line from the tool to the pointer that drags it.
 
 import { h } from '../ui/dom';
-import type { Place } from './pointers';
+import type { Place } from './place';
 
 const LEAST_PX = 6;
 

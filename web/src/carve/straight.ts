@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A straight line in the picture, from where it begins, in the direction in which the pointer leaves.
 
-import type { Place } from './pointers';
+import type { Place } from './place';
 
 const DIRECTION_PX = 12; // a shorter path tells no direction
 

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page's side of the worker that decodes mesh frames.
 
+import type { Decoded } from './decoded';
 import type { MeshFrame } from './mesh_glb';
-
-/** The worker's answer to a frame, in the order of the frames. */
-export type Decoded = { frame: MeshFrame } | { reason: string };
 
 /** Rejects with a reason if a frame cannot be decoded. */
 export type DecodeFrame = (glb: Uint8Array) => Promise<MeshFrame>;
@@ -26,7 +24,7 @@ interface Waiting {
   reject: (problem: Error) => void;
 }
 
-/** Returns what decodes mesh frames in a worker, which begins with the first one. */
+/** Decodes mesh frames in a worker, which starts with the first frame. */
 export function workerDecoder(make: () => DecoderPort = makeWorker): DecodeFrame {
   let waiting: Waiting[] = [];
   let worker: DecoderPort | null = null;

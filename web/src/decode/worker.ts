@@ -2,7 +2,7 @@
 // The worker that decodes mesh frames, so that a large one does not stop the page.
 
 import { MeshoptDecoder } from 'three/examples/jsm/libs/meshopt_decoder.module.js';
-import type { Decoded } from './frame_decoder';
+import type { Decoded } from './decoded';
 import { readMeshGlb } from './mesh_glb';
 import type { MeshFrame } from './mesh_glb';
 

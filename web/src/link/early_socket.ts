@@ -2,29 +2,13 @@
 // The first connection of a session's page, which is opened and greeted while the code of the page
 // loads: that takes longer than the server's answer.
 
-import { mark } from '../marks';
+import { mark } from '../model/marks';
 import { VIEW_PROTOCOL } from '../wire/types';
-import type { Look } from '../wire/types';
 import { socketUrl } from './address';
 import { viewBudget } from './budget';
-import type { Socket } from './view_link';
+import { helloText } from './hello';
+import type { Socket } from './socket';
 import { viewerName } from './viewer_name';
-
-/**
- * The message with which a viewer joins. `look`: null if one follows the welcome; `budget`: bytes of
- * the surface per second, 0: any.
- */
-export function helloText(name: string, look: Look | null, budget = viewBudget()): string {
-  return JSON.stringify({
-    type: 'hello',
-    name,
-    changes: true,
-    repeat: true,
-    verify: true,
-    look: look ?? true,
-    ...(budget > 0 ? { budget } : {}),
-  });
-}
 
 /** Keeps the events of a connection until somebody takes it, who gets them in their order. */
 export class EarlySocket implements Socket {

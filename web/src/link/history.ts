@@ -2,6 +2,7 @@
 // Requests about the history of a session: named versions, branches, forces along the journal.
 
 import { pathOf } from './address';
+import type { ForceCurve } from '../model/force_curve';
 import { ask } from './strokes';
 
 /** A name for the block as it was after a record. */
@@ -14,19 +15,6 @@ export interface Version {
   author: string;
   /** Whether this viewer may rename and delete it. */
   may_change: boolean;
-}
-
-/** Forces of equal spans of records: columns of equal length. */
-export interface ForceCurve {
-  first: number[];
-  last: number[];
-  minN: number[];
-  meanN: number[];
-  maxN: number[];
-  /** When the last motion of the span ends, on a clock that runs while the tools move, s. */
-  endS: number[];
-  removedMm3: number[];
-  motions: number[];
 }
 
 /** Motions of one participant. */

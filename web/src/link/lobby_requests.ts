@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // HTTP requests of the list of sessions and of new blocks. All reject with a ServerError.
 
-import type { Box, DerivedScene, FieldOrigin, Price, Scene } from '../model/new_block';
+import type { DerivedScene, FieldOrigin, Price, Scene } from '../model/new_block';
+import type { Box } from '../model/box';
 import type { Vec3 } from '../wire/types';
 import { ask } from './server_error';
 

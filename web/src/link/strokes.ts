@@ -2,25 +2,9 @@
 // Requests that list strokes, undo and redo them.
 
 import { t } from '../strings';
+import type { Stroke, StrokeChange } from '../model/stroke';
 import { pathOf } from './address';
 import { noAnswer, request } from './request';
-
-/** An uninterrupted series of motions of one participant. */
-export interface Stroke {
-  /** Number of its first record in the journal. */
-  id: number;
-  /** Number of its last record; those of others are between them. */
-  last: number;
-  participant: number;
-  tool: number;
-  motions: number;
-  /** Wall time, ms since 1970. */
-  begin_ms: number;
-  end_ms: number;
-  undone: boolean;
-}
-
-export type StrokeChange = 'undo' | 'redo';
 
 async function reasonOf(response: Response): Promise<string> {
   const body = (await response.json().catch(() => null)) as {

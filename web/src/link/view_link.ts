@@ -18,14 +18,14 @@ import type {
   ServerMessage,
   ToolState,
 } from '../wire/types';
+import type { LinkStatus } from '../model/link_status';
 import type { Rejection } from './api';
 import { Backoff } from './backoff';
-import { helloText } from './early_socket';
 import { FrameWatch } from './frame_watch';
+import { helloText } from './hello';
 import { Servers } from './servers';
 import { Silence } from './silence';
-
-export type LinkStatus = 'connecting' | 'connected' | 'reconnecting' | 'stopped';
+import type { Socket } from './socket';
 
 export interface LinkEvents {
   /** The hello was sent. */
@@ -52,19 +52,6 @@ export interface LinkEvents {
    * The server sent something invalid, or a frame could not be applied. The connection stays open.
    */
   problem(reason: string): void;
-}
-
-/** The part of WebSocket that is used, so that tests can substitute another implementation. */
-export interface Socket {
-  /** The hello was sent before the socket was handed over. */
-  readonly isGreeted?: boolean;
-  binaryType: string;
-  onopen: ((event: never) => void) | null;
-  onmessage: ((event: { data: unknown }) => void) | null;
-  onclose: ((event: { code: number; reason: string }) => void) | null;
-  onerror: ((event: never) => void) | null;
-  send(data: string | Uint8Array<ArrayBuffer>): void;
-  close(code?: number, reason?: string): void;
 }
 
 export interface LinkOptions {

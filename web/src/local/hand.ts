@@ -4,7 +4,8 @@
 import { t } from '../strings';
 import type { CarveLinkEvents } from '../carve/carve_link';
 import { mountCarve } from '../carve/mount';
-import type { CarveHost, CarveSwitch } from '../carve/mount';
+import type { CarveSwitch } from '../carve/mount';
+import type { CarveHost } from '../carve/host';
 import type { SessionModel } from '../model/session';
 import type { ParticipantInfo } from '../wire/types';
 import { recall } from '../strings/memory';

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// window.kerf of the page without a server, for tests: state(), surface() and marks, as in ../hook.ts.
+// window.kerf of the page without a server, for tests: state(), surface() and marks, as in
+// ../shell/hook.ts.
 
-import { marks } from '../marks';
+import { marks } from '../model/marks';
 import type { LocalPage } from './local_page';
 
 export function installLocalHook(page: LocalPage): void {

@@ -2,7 +2,7 @@
 // The page without a server: takes files, has them carved in a worker, shows the block.
 
 import { t } from '../strings';
-import { mark } from '../marks';
+import { mark } from '../model/marks';
 import type { TileTriangles } from '../kernel/kernel';
 import { pathOfAnswer } from '../model/program_path';
 import { SessionModel } from '../model/session';
@@ -24,7 +24,6 @@ import { FilesInput } from './files_input';
 import { NO_FILES, placeOfError, withFiles } from './given_files';
 import { LocalHand } from './hand';
 import type { FromWorker } from './messages';
-import { installLocalHook } from './hook';
 import { listenToLocalKeys } from './keys';
 import type { About, GivenFile, GivenFiles, Progress } from './program_block';
 import { readGiven } from './read_given';
@@ -141,7 +140,6 @@ export class LocalPage {
     this.listen_(toggleInspect);
     this.begin_();
     this.resize_();
-    installLocalHook(this);
   }
 
   start(): void {

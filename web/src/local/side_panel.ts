@@ -5,8 +5,8 @@
 import { t } from '../strings';
 import '../ui/style/programs.css';
 import type { StockMaterialPreset } from '../model/materials';
-import { capMouse } from '../ui/cap_mouse';
-import type { CapMouseHost } from '../ui/cap_mouse';
+import { capMouse } from '../carve/devices/cap_mouse';
+import type { CapMouseHost } from '../carve/devices/cap_mouse';
 import { h, setText } from '../ui/dom';
 import { details, Figure, section } from '../ui/figures';
 import { count, figure, volume } from '../ui/format';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Forces and removal along an NC program, over its time.
 
-import type { ForceCurve } from '../link/history';
+import type { ForceCurve } from './force_curve';
 
 const CM3_PER_MIN = 60 / 1000; // mm³/s
 

@@ -3,6 +3,7 @@
 
 import { language, t } from '../strings';
 import type { Vec3 } from '../wire/types';
+import type { Box } from './box';
 import { placementJson } from './placement';
 import type { Placement } from './placement';
 
@@ -12,11 +13,6 @@ export type Scene = Record<string, unknown>;
 /** Greatest surface errors to choose from, mm, from coarse to fine. */
 export const TARGETS_MM: readonly number[] = [1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
 export const TARGET_DEFAULT_MM = 0.1;
-
-export interface Box {
-  min: Vec3;
-  max: Vec3;
-}
 
 /** Where a field of a derived scene comes from. */
 export interface FieldOrigin {

@@ -3,7 +3,7 @@
 // origin, then moved (server/formats/model/mesh_placement.h).
 
 import type { Vec3 } from '../wire/types';
-import type { Box } from './new_block';
+import type { Box } from './box';
 
 /** Units of the numbers in a model, mm. */
 export const UNITS_MM: Readonly<Record<string, number>> = { mm: 1, cm: 10, m: 1000, inch: 25.4 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The state of the session without any drawing: the link writes it, the views read it.
 
-import type { LinkStatus } from '../link/view_link';
+import type { LinkStatus } from './link_status';
 import type {
   Header,
   ServerMessage,

@@ -3,7 +3,8 @@
 
 import { t } from '../strings';
 import { roleName } from '../strings/names';
-import type { Stroke, StrokeChange } from '../link/strokes';
+import type { StrokeChange } from './stroke';
+import type { Stroke } from './stroke';
 import type { Welcome } from '../wire/types';
 
 /**

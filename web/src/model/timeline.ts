@@ -2,7 +2,7 @@
 // The journal along a line: which record is where, and the strokes as bars of which there are never
 // more than pixels.
 
-import type { Stroke } from '../link/strokes';
+import type { Stroke } from './stroke';
 import type { StateMessage } from '../wire/types';
 
 /** The records in view, `from` at the left edge and `to` at the right one. */

@@ -4,7 +4,8 @@
 
 import { t } from '../strings';
 import { changeStroke, listStrokes } from '../link/strokes';
-import type { Stroke, StrokeChange } from '../link/strokes';
+import type { StrokeChange } from '../model/stroke';
+import type { Stroke } from '../model/stroke';
 import type { SessionModel } from '../model/session';
 import { nextStroke, whyNotUndo } from '../model/stroke_choice';
 import { Authors } from './authors';

@@ -15,7 +15,7 @@ import { Rest } from '../model/rest';
 import type { SessionModel } from '../model/session';
 import type { Viewer } from '../view/viewer';
 import { distance } from '../model/vector';
-import { mark, marks } from '../marks';
+import { mark, marks } from '../model/marks';
 import { t } from '../strings';
 import { MESH_SNAPSHOT_LAST } from '../wire/types';
 import type { Header, Welcome } from '../wire/types';

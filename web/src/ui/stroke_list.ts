@@ -2,7 +2,8 @@
 // The strokes of a session, newest first: author, tool, time; each can be undone or redone.
 
 import { language, t } from '../strings';
-import type { Stroke, StrokeChange } from '../link/strokes';
+import type { StrokeChange } from '../model/stroke';
+import type { Stroke } from '../model/stroke';
 import type { SessionModel } from '../model/session';
 import { toolName } from '../model/tool_profile';
 import type { Authors } from './authors';

@@ -13,7 +13,7 @@ import { drawnRatio, Quality } from '../model/quality';
 import { stockBounds } from '../model/session';
 import type { SessionModel } from '../model/session';
 import type { TileTriangles } from '../kernel/kernel';
-import { mark } from '../marks';
+import { mark } from '../model/marks';
 import { MESH_SNAPSHOT_LAST } from '../wire/types';
 import type { Header, Vec3, Welcome } from '../wire/types';
 import { CameraRig } from './camera_rig';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-import type { Vec3 } from './types';
+import type { Vec3 } from './vec3';
 
 /** Where a device can bring the tip of its tool: a box in the block, which may be turned. */
 export interface Reach {

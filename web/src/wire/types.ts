@@ -4,6 +4,9 @@
 // only up to 2^53.
 
 import type { Reach } from './reach';
+import type { Vec3 } from './vec3';
+
+export type { Vec3 } from './vec3';
 
 export const MAGIC = 0x3146524b; // the bytes 'KRF1'
 export const HEADER_BYTES = 32;
@@ -47,22 +50,17 @@ export const FrameType = {
 } as const;
 export type FrameType = (typeof FrameType)[keyof typeof FrameType];
 
-/** Flags of a mesh frame. */
-export const MESH_SNAPSHOT = 1;
+/** Flag of the last mesh frame of a snapshot. */
 export const MESH_SNAPSHOT_LAST = 2;
 
-/** Flag of a stock frame. */
+/** Flags of a stock frame. */
 export const STOCK_RESET = 1;
 export const STOCK_RETURNED = 2;
 
 /** Bits of a tool state's and a result's status. */
 export const STATUS_CUTTING = 1;
 export const STATUS_COLLIDING = 2;
-export const STATUS_REFUSED = 4;
-export const STATUS_IMPRINT = 16;
 export const STATUS_FELT = 32;
-
-export type Vec3 = [number, number, number];
 
 export interface Header {
   type: number;

@@ -5,7 +5,7 @@ import type { AimSettings, Probed } from '../../src/carve/aim';
 import type { Ray } from '../../src/carve/surface';
 import type { Hit } from '../../src/model/surface';
 import { across, dot, minus, unitOf } from '../../src/model/vector';
-import { angleBetween } from '../../src/carve/vectors';
+import { angleBetween } from '../../src/carve/tool/vectors';
 import { toolProfile } from '../../src/model/tool_profile';
 import type { ToolInfo, Vec3 } from '../../src/wire/types';
 

@@ -4,7 +4,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { CarveLink } from '../../src/carve/carve_link';
 import type { Draft } from '../../src/carve/sample_log';
 import { Backoff } from '../../src/link/backoff';
-import type { Socket } from '../../src/link/view_link';
+import type { Socket } from '../../src/link/socket';
 import { decodeFrame } from '../../src/wire/decode';
 import { encodeFrame } from '../../src/wire/encode';
 import { FrameType } from '../../src/wire/types';

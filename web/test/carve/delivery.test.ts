@@ -2,7 +2,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import type { CarveStatus } from '../../src/carve/carve_link';
 import { Delivery } from '../../src/carve/delivery';
-import type { PathRequest } from '../../src/carve/path_queue';
+import type { PathRequest } from '../../src/carve/tool/path_queue';
 import type { Draft } from '../../src/carve/sample_log';
 import { Sampler } from '../../src/carve/sampler';
 import type { Vec3 } from '../../src/wire/types';

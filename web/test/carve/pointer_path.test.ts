@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
 import { PointerPath } from '../../src/carve/pointer_path';
-import type { Place } from '../../src/carve/pointers';
+import type { Place } from '../../src/carve/place';
 
 const at = (
   x: number,

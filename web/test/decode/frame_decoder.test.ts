@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
 import { workerDecoder } from '../../src/decode/frame_decoder';
-import type { Decoded, DecoderPort } from '../../src/decode/frame_decoder';
+import type { Decoded } from '../../src/decode/decoded';
+import type { DecoderPort } from '../../src/decode/frame_decoder';
 
 class FakeWorker implements DecoderPort {
   static made: FakeWorker[] = [];

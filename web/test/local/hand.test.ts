@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import type { CarveHost } from '../../src/carve/mount';
+import type { CarveHost } from '../../src/carve/host';
 import { forgetStrokes, keepStrokes } from '../../src/local/autosave';
 import { download } from '../../src/local/download';
 import { LocalHand } from '../../src/local/hand';

@@ -4,7 +4,7 @@
 // pings.
 
 import { readFileSync } from 'node:fs';
-import type { Socket } from '../../src/link/view_link';
+import type { Socket } from '../../src/link/socket';
 import { decodeFrame } from '../../src/wire/decode';
 import { encodeFrame } from '../../src/wire/encode';
 import { FrameType, STATES_DURABLE } from '../../src/wire/types';

@@ -3,8 +3,8 @@
 
 import { plus, scaled } from '../../model/vector';
 import type { Vec3 } from '../../wire/types';
-import type { Pose } from '../path_queue';
-import { angleBetween, turned } from '../vectors';
+import type { Pose } from '../tool/path_queue';
+import { angleBetween, turned } from '../tool/vectors';
 
 /** Each part from -1 to 1. */
 export interface Deflection {

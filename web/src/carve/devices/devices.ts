@@ -4,8 +4,8 @@
 
 import { plus } from '../../model/vector';
 import type { Vec3 } from '../../wire/types';
-import type { Pose } from '../path_queue';
-import type { Wielded } from '../wielded';
+import type { Pose } from '../tool/path_queue';
+import type { Wielded } from '../tool/wielded';
 import { isAtRest, moved } from './deflection';
 import type { Deflection, Sides } from './deflection';
 import { GamepadReader } from './gamepad';

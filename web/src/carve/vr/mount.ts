@@ -4,9 +4,21 @@
 import { t } from '../../strings';
 import { iconButton } from '../../ui/dom';
 import { ICONS } from '../../ui/icons';
-import type { CarveHost } from '../mount';
-import type { Wielded } from '../wielded';
+import type { SessionModel } from '../../model/session';
+import type { Picture } from '../../ui/picture';
+import type { Wielded } from '../tool/wielded';
 import type { VrState } from './vr_mode';
+
+/** The parts of the page that a headset uses. */
+export interface VrHost {
+  model: SessionModel;
+  picture: Picture;
+  toolbar: HTMLElement;
+  /** Says why something is not done. */
+  say: (text: string) => void;
+  /** Does what the page does once a frame. */
+  frame: (nowMs: number) => void;
+}
 
 /** Carving, which goes on in the headset. */
 export interface VrCarving {
@@ -17,7 +29,7 @@ export interface VrCarving {
 }
 
 /** Adds the button once the browser says that there is a headset. Returns what it is doing; null: nothing. */
-export function mountVr(host: CarveHost, carving: VrCarving): () => VrState | null {
+export function mountVr(host: VrHost, carving: VrCarving): () => VrState | null {
   const { xr } = navigator as { xr?: XRSystem };
   let state: () => VrState | null = () => null;
   let isBusy = false;

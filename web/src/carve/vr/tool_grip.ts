@@ -2,7 +2,7 @@
 // The tool in a hand: from the pose of a controller's grip to the tool's pose in the block.
 
 import * as THREE from 'three';
-import type { Pose } from '../path_queue';
+import type { Pose } from '../tool/path_queue';
 import type { Grip } from './placement';
 
 // The hand holds the tool's handle; very large and very small tools would be out of reach.

@@ -7,7 +7,7 @@ import type { SessionModel } from '../../model/session';
 import { toolName } from '../../model/tool_profile';
 import { ToolView } from '../../view/tool_view';
 import type { Viewer } from '../../view/viewer';
-import type { Wielded } from '../wielded';
+import type { Wielded } from '../tool/wielded';
 import { Controllers, HANDS } from './controllers';
 import type { Controller, Hand } from './controllers';
 import { FrameMeter } from './frame_meter';

@@ -27,7 +27,7 @@ import { Vector3 } from 'three';
 import type { CutNote } from './cut_note';
 import { DeviationControls } from './deviation_controls';
 import { signed } from './deviation_plot';
-import type { InspectHost } from './mount';
+import type { InspectHost } from './host';
 import { partTolerance, rememberPartTolerance } from '../part_tolerance';
 
 /** While the block changes it is surveyed at most so often. */

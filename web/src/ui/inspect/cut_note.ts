@@ -8,7 +8,7 @@ import type { Vec3 } from '../../wire/types';
 import type { Authors } from '../authors';
 import { h, setText } from '../dom';
 import { sentence } from '../format';
-import type { InspectHost } from './mount';
+import type { InspectHost } from './host';
 
 export class CutNote {
   private readonly text_ = h('p', { class: 'quiet inspect-hint probe-text', role: 'status' });

@@ -17,7 +17,7 @@ import { Comparing } from './comparing';
 import { CutNote } from './cut_note';
 import { Measuring } from './measuring';
 import { Ghost } from './ghost';
-import type { InspectHost } from './mount';
+import type { InspectHost } from './host';
 import { Owning } from './owning';
 import { OwnerTip } from './owner_tip';
 import { Picker } from './picker';

@@ -19,7 +19,7 @@ import { MeasureView } from '../../view/inspect/measure_view';
 import type { Viewer } from '../../view/viewer';
 import { Vector3 } from 'three';
 import { MeasureControls } from './measure_controls';
-import type { InspectHost } from './mount';
+import type { InspectHost } from './host';
 import type { Picked } from './picker';
 
 const ARM_PX = 40; // of the normals that an angle shows

@@ -14,7 +14,7 @@ import type { Viewer } from '../../view/viewer';
 import type { Authors } from '../authors';
 import { h, setText } from '../dom';
 import { figure, sentence } from '../format';
-import type { InspectHost } from './mount';
+import type { InspectHost } from './host';
 
 export class Owning {
   /** The colors are shown, in place of others. */

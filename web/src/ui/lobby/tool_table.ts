@@ -2,7 +2,8 @@
 // The tools of a program, with where each field comes from, and the box of its stock, to be edited.
 
 import { t } from '../../strings';
-import type { Box, FieldOrigin } from '../../model/new_block';
+import type { FieldOrigin } from '../../model/new_block';
+import type { Box } from '../../model/box';
 import { toolName } from '../../model/tool_profile';
 import type { ToolInfo, Vec3 } from '../../wire/types';
 import { h } from '../dom';

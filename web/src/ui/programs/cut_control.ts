@@ -2,7 +2,7 @@
 // Force, removal and feed along the selected program: asked for when it has moved, and plotted by a chunk
 // that is loaded when there is something to plot.
 
-import type { ForceCurve } from '../../link/history';
+import type { ForceCurve } from '../../model/force_curve';
 import { cutCurveOf } from '../../model/cut_curve';
 import type { FeedCurve } from '../../model/program_path';
 import { isOpen } from '../../model/programs';

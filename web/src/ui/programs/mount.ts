@@ -7,7 +7,7 @@ import { iconButton } from '../dom';
 import { ICONS } from '../icons';
 import { lazyPanel } from '../lazy_panel';
 import type { OneOpen } from '../one_open';
-import type { ProgramPlace } from '../inspect/mount';
+import type { ProgramPlace } from '../../model/program_place';
 import type { PathHost } from './path_control';
 import type { ProgramsPanel } from './programs_panel';
 

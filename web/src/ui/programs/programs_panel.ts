@@ -9,7 +9,7 @@ import type { SessionModel } from '../../model/session';
 import type { ProgramInfo, Vec3 } from '../../wire/types';
 import { h, setText } from '../dom';
 import { count, figure, sentence, volume } from '../format';
-import type { ProgramPlace } from '../inspect/mount';
+import type { ProgramPlace } from '../../model/program_place';
 import { OneOpen } from '../one_open';
 import { AlarmList } from './alarm_list';
 import { Controls } from './controls';

@@ -2,7 +2,7 @@
 // HTTP requests about the programs of a session.
 
 import { forceCurve } from '../../link/history';
-import type { ForceCurve } from '../../link/history';
+import type { ForceCurve } from '../../model/force_curve';
 import { ask } from '../../link/server_error';
 import { listStrokes } from '../../link/strokes';
 import { pathOfAnswer } from '../../model/program_path';

@@ -3,9 +3,10 @@
 // and only as often as something may have changed.
 
 import { forceCurve, listVersions } from '../../link/history';
-import type { ForceCurve, Version } from '../../link/history';
+import type { Version } from '../../link/history';
+import type { ForceCurve } from '../../model/force_curve';
 import { listStrokes } from '../../link/strokes';
-import type { Stroke } from '../../link/strokes';
+import type { Stroke } from '../../model/stroke';
 import { joined, mayHaveUndone, openSince, rowsOf } from '../../model/timeline';
 import type { StrokeRow } from '../../model/timeline';
 import type { StateMessage } from '../../wire/types';

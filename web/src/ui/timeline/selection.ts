@@ -2,7 +2,8 @@
 // The stroke that was pressed: whose it is, and its undo or redo.
 
 import { language, t } from '../../strings';
-import type { Stroke, StrokeChange } from '../../link/strokes';
+import type { StrokeChange } from '../../model/stroke';
+import type { Stroke } from '../../model/stroke';
 import { h, setText } from '../dom';
 
 export const CLOCK = new Intl.DateTimeFormat(language, { timeStyle: 'medium', hourCycle: 'h23' });

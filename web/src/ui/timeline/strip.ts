@@ -3,8 +3,9 @@
 // versions above, and the playhead, which is a slider for pointer, keyboard and screen readers.
 
 import { t } from '../../strings';
-import type { ForceCurve, Version } from '../../link/history';
-import type { Stroke } from '../../link/strokes';
+import type { Version } from '../../link/history';
+import type { ForceCurve } from '../../model/force_curve';
+import type { Stroke } from '../../model/stroke';
 import { barsOf, recordAt, strokeAt, xOf, zoomed } from '../../model/timeline';
 import type { Span, StrokeRow } from '../../model/timeline';
 import { h } from '../dom';

@@ -3,38 +3,9 @@
 // when there is something to show or a button is pressed.
 
 import { t } from '../../strings';
-import type { SessionModel } from '../../model/session';
-import type { CameraPose } from '../../wire/types';
 import { h } from '../dom';
-import type { OneOpen } from '../one_open';
-import type { Picture } from '../picture';
+import type { TogetherHost, TogetherParts } from './host';
 import type { TogetherPanel } from './together_panel';
-
-/** What the section needs of the page. */
-export interface TogetherHost {
-  model: SessionModel;
-  session: string;
-  /** The viewer's name. */
-  name: () => string;
-  picture: Picture;
-  canvas: HTMLCanvasElement;
-  /** Over the picture, for what follows the block. */
-  overlay: HTMLElement;
-  oneOpen: OneOpen;
-  /** Shows the viewer's camera to others; null: no longer. */
-  showCamera: (pose: CameraPose | null) => void;
-  /** Shows a sentence for some seconds. */
-  say: (text: string) => void;
-}
-
-/** The parts of the section that the chunk fills and changes. */
-export interface TogetherParts {
-  pin: HTMLButtonElement;
-  share: HTMLButtonElement;
-  video: HTMLButtonElement;
-  cameras: HTMLElement;
-  pins: HTMLElement;
-}
 
 export interface Together {
   element: HTMLElement;

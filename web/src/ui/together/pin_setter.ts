@@ -9,7 +9,7 @@ import type { Viewer } from '../../view/viewer';
 import type { Vec3 } from '../../wire/types';
 import { h } from '../dom';
 import { sentence } from '../format';
-import type { TogetherHost } from './mount';
+import type { TogetherHost } from './host';
 
 const TAP_PX = 5;
 const HINT = t('Click a spot on the block. Esc cancels.');

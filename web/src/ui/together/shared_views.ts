@@ -7,7 +7,8 @@ import type { Viewer } from '../../view/viewer';
 import type { CameraPose, ShownCamera, Vec3, Welcome } from '../../wire/types';
 import { Vector3 } from 'three';
 import { h } from '../dom';
-import type { TogetherHost, TogetherParts } from './mount';
+import type { TogetherParts } from './host';
+import type { TogetherHost } from './host';
 
 function rounded(place: Vector3): Vec3 {
   return place.toArray().map((value) => Math.round(value * 1000) / 1000) as Vec3;

@@ -4,8 +4,8 @@ import { Devices } from '../../../src/carve/devices/devices';
 import { eased, moved } from '../../../src/carve/devices/deflection';
 import { GamepadReader } from '../../../src/carve/devices/gamepad';
 import { SpaceMouse } from '../../../src/carve/devices/space_mouse';
-import type { Pose } from '../../../src/carve/path_queue';
-import type { Wielded } from '../../../src/carve/wielded';
+import type { Pose } from '../../../src/carve/tool/path_queue';
+import type { Wielded } from '../../../src/carve/tool/wielded';
 import type { Vec3 } from '../../../src/wire/types';
 import { fakeMouse } from '../../support/fake_space_mouse';
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Directions between two others.
 
-import { cross, dot, minus, plus, scaled, unitOf } from '../model/vector';
-import type { Vec3 } from '../wire/types';
+import { cross, dot, minus, plus, scaled, unitOf } from '../../model/vector';
+import type { Vec3 } from '../../wire/types';
 
 export function lerp(a: Vec3, b: Vec3, part: number): Vec3 {
   return plus(a, minus(b, a), part);

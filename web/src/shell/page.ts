@@ -2,15 +2,15 @@
 // What the address means: a session, the lobby, an invitation.
 
 import { installHook } from './hook';
-import { watchPolicy } from './link/forbidden';
-import { invitationIn, redeemInvitation } from './link/invitation';
-import { viewerName } from './link/viewer_name';
-import { sentence } from './ui/format';
-import { frameLimit } from './ui/frames';
-import { t } from './strings';
-import { failurePage } from './ui/notice';
-import { showSessions } from './ui/session_list';
-import { SessionPage } from './ui/session_page';
+import { watchPolicy } from '../link/forbidden';
+import { invitationIn, redeemInvitation } from '../link/invitation';
+import { viewerName } from '../link/viewer_name';
+import { sentence } from '../ui/format';
+import { frameLimit } from '../ui/frames';
+import { t } from '../strings';
+import { failurePage } from '../ui/notice';
+import { showSessions } from './session_list';
+import { SessionPage } from './session_page';
 
 function openSession(app: HTMLElement, session: string, parameters: URLSearchParams): void {
   document.title = `${session} · Kerf`;

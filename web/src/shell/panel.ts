@@ -6,22 +6,22 @@ import { pageAddress } from '../link/request';
 import type { StockMaterialPreset } from '../model/materials';
 import type { Participant } from '../model/participants';
 import type { SessionModel } from '../model/session';
-import { connectionText } from './badge';
-import { h, setText } from './dom';
-import { capMouse } from './cap_mouse';
-import type { CapMouseHost } from './cap_mouse';
-import { languageChoice } from './language_choice';
-import { details, Figure, section } from './figures';
-import { count, duration, figure, volume } from './format';
+import { connectionText } from '../ui/badge';
+import { h, setText } from '../ui/dom';
+import { capMouse } from '../carve/devices/cap_mouse';
+import type { CapMouseHost } from '../carve/devices/cap_mouse';
+import { languageChoice } from '../ui/language_choice';
+import { details, Figure, section } from '../ui/figures';
+import { count, duration, figure, volume } from '../ui/format';
 import type { Navigation } from '../model/navigation';
-import { History } from './history';
-import { MaterialChoice } from './material_choice';
+import { History } from '../ui/history';
+import { MaterialChoice } from '../ui/material_choice';
 import { mountCheck } from '../replay/mount';
 import type { Viewer } from '../view/viewer';
-import { navigationChoice } from './navigation_choice';
-import { People } from './people';
-import { PlotSpot } from './plot_spot';
-import { takeHomeButton } from './take_home/mount';
+import { navigationChoice } from '../ui/navigation_choice';
+import { People } from '../ui/people';
+import { PlotSpot } from '../ui/plot_spot';
+import { takeHomeButton } from '../ui/take_home/mount';
 
 const SILENT_MS = 1500; // without a tool state for so long, there is no newest force
 export interface PanelActions {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // A 3D mouse moves the camera while no tool is in hand: its settings, and what it does once a frame.
 
-import { t } from '../strings';
-import type { Hid, SpaceMouse } from '../carve/devices/space_mouse';
-import { cameraStep } from '../model/cap_push';
-import type { CapSense } from '../model/cap_push';
-import { recall, remember } from '../strings/memory';
-import type { CameraRig } from '../view/camera_rig';
-import { h } from './dom';
+import { t } from '../../strings';
+import type { Hid, SpaceMouse } from './space_mouse';
+import { cameraStep } from '../../model/cap_push';
+import type { CapSense } from '../../model/cap_push';
+import { recall, remember } from '../../strings/memory';
+import type { CameraRig } from '../../view/camera_rig';
+import { h } from '../../ui/dom';
 
 const KEY = 'space-mouse';
 const OFF = 'off';
@@ -65,7 +65,7 @@ export class CapMouse {
 
   private async start_(asks: boolean): Promise<void> {
     try {
-      const { SpaceMouse } = await import('../carve/devices/space_mouse');
+      const { SpaceMouse } = await import('./space_mouse');
       this.mouse_ ??= new SpaceMouse(this.hid);
       await this.mouse_.open(asks);
     } catch (problem) {

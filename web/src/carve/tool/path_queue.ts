@@ -2,8 +2,8 @@
 // What is to be sent, in order: the poses of the tool's path, and requests between them. Strokes of
 // which nothing is sent yet are undone and redone here; of the others the server is asked.
 
-import type { AgentHello, AgentRequest } from '../wire/agent_control';
-import type { Vec3 } from '../wire/types';
+import type { AgentHello, AgentRequest } from '../../wire/agent_control';
+import type { Vec3 } from '../../wire/types';
 
 export interface Pose {
   tip: Vec3;

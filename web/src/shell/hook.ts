@@ -3,8 +3,8 @@
 // triangles it displays, copyHash(), that of its copy of the block while one carves, vr(), what a
 // headset shows, and marks, the times of its start.
 
-import { marks } from './marks';
-import type { SessionPage } from './ui/session_page';
+import { marks } from '../model/marks';
+import type { SessionPage } from './session_page';
 
 function cameraOf({ picture }: SessionPage) {
   const { camera, controls } = picture.viewer?.rig ?? {};

@@ -4,7 +4,7 @@
 import { t } from '../strings';
 import { InvitationNeeded, listSessions } from '../link/api';
 import type { SessionSummary } from '../link/api';
-import { failurePage } from './notice';
+import { failurePage } from '../ui/notice';
 
 /** Shows the list and returns null, or returns the id of the only session, unless `always`. */
 export async function showSessions(app: HTMLElement, always: boolean): Promise<string | null> {
@@ -26,7 +26,7 @@ export async function showSessions(app: HTMLElement, always: boolean): Promise<s
     return null;
   }
   if (sessions.length === 1 && !always) return sessions[0]!.id;
-  const { Lobby } = await import('./lobby/lobby');
+  const { Lobby } = await import('../ui/lobby/lobby');
   new Lobby(app, sessions);
   return null;
 }

@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: Apache-2.0
+
+export type Vec3 = [number, number, number];
