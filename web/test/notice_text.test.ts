@@ -60,9 +60,9 @@ describe('the notice over the picture', () => {
 
   it('says that the session is paused', () => {
     model.setStatus('connected', '');
-    model.state = { paused: 'lease' } as StateMessage;
+    model.apply({ type: 'state', paused: 'lease' } as StateMessage);
     expect(text()).toBe("Carving is paused: the servers can't reach each other.");
-    model.state = { paused: 'disk' } as StateMessage;
+    model.apply({ type: 'state', paused: 'disk' } as StateMessage);
     expect(text()).toMatch(/^Carving is paused: the server's disk is full/);
   });
 });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The state of the session without any drawing: the link writes it, the views read it.
 
+import { batch, signal } from '@preact/signals';
 import type { LinkStatus } from './link_status';
 import type {
   Header,
@@ -17,7 +18,6 @@ import { Liveness } from './liveness';
 import { Participants } from './participants';
 import { PictureLag } from './picture_lag';
 import { Programs } from './programs';
-import { Signal } from './signal';
 import { TileTable } from './tiles';
 import { Together } from './together';
 
@@ -42,30 +42,61 @@ export class SessionModel {
   readonly frames = new RateMeter();
   readonly liveness = new Liveness();
   readonly lag = new PictureLag();
-  /** After each setStatus(). */
-  readonly statusChanged = new Signal();
-  welcome: Welcome | null = null;
-  state: StateMessage | null = null;
-  status: LinkStatus = 'connecting';
-  statusReason = '';
-  problem = '';
-  problems = 0;
   meshFrames = 0;
   meshBytes = 0;
+  // Signals: components and effects that read the properties below run again after a change.
+  private readonly welcome_ = signal<Welcome | null>(null);
+  private readonly state_ = signal<StateMessage | null>(null);
+  private readonly status_ = signal<LinkStatus>('connecting');
+  private readonly statusReason_ = signal('');
+  private readonly problem_ = signal('');
+  private readonly problems_ = signal(0);
   private lastFrameMs_ = -Infinity;
   private lastFrameUs_ = 0n;
 
   setStatus(status: LinkStatus, reason: string): void {
-    this.status = status;
-    this.statusReason = reason;
-    this.statusChanged.tell();
+    batch(() => {
+      this.status_.value = status;
+      this.statusReason_.value = reason;
+    });
+  }
+
+  get welcome(): Welcome | null {
+    return this.welcome_.value;
+  }
+
+  get state(): StateMessage | null {
+    return this.state_.value;
+  }
+
+  get status(): LinkStatus {
+    return this.status_.value;
+  }
+
+  /** A sentence for the user; empty if there is no problem. */
+  get statusReason(): string {
+    return this.statusReason_.value;
+  }
+
+  /** The newest problem, as a sentence. */
+  get problem(): string {
+    return this.problem_.value;
+  }
+
+  /** Number of problems so far. */
+  get problems(): number {
+    return this.problems_.value;
   }
 
   apply(message: ServerMessage, nowMs = performance.now()): void {
+    batch(() => this.apply_(message, nowMs));
+  }
+
+  private apply_(message: ServerMessage, nowMs: number): void {
     switch (message.type) {
       case 'welcome':
-        this.welcome = message;
-        this.state = null;
+        this.welcome_.value = message;
+        this.state_.value = null;
         this.tiles.beginSnapshot();
         this.clock.reset();
         this.liveness.reset();
@@ -82,7 +113,7 @@ export class SessionModel {
         this.participants.change(message);
         break;
       case 'state':
-        this.state = message;
+        this.state_.value = message;
         this.lag.heard(message, nowMs);
         break;
       case 'programs':
@@ -119,8 +150,10 @@ export class SessionModel {
   }
 
   addProblem(text: string): void {
-    this.problem = text;
-    this.problems += 1;
+    batch(() => {
+      this.problem_.value = text;
+      this.problems_.value = this.problems_.peek() + 1;
+    });
   }
 
   /** Returns the time since the server sent the newest frame, ms; NaN while unknown. */

@@ -5,7 +5,7 @@
 // from 1 again. Tiles of older generations are removed when the new snapshot is complete, which
 // avoids flicker.
 
-import { Signal } from './signal';
+import { signal } from '@preact/signals';
 
 export interface TileEntry {
   x: number;
@@ -41,14 +41,12 @@ const FLAT_TRIANGLES = 12;
 const EXACT_TRIANGLES = 2600;
 
 export class TileTable {
-  /** After each change of `exact`. */
-  readonly exactChanged = new Signal();
   private readonly entries_ = new Map<number, TileEntry>();
   private generation_ = 0;
   private complete_ = false;
   private triangles_ = 0;
   private coarse_ = 0; // tiles with a level above 0
-  private wasExact_ = false;
+  private readonly exact_ = signal(false);
 
   /**
    * Starts a new snapshot. Tiles of the previous one stay until they are replaced or the new
@@ -57,7 +55,7 @@ export class TileTable {
   beginSnapshot(): void {
     this.generation_ += 1;
     this.complete_ = false;
-    this.tellExact_();
+    this.updateExact_();
   }
 
   /**
@@ -88,7 +86,7 @@ export class TileTable {
       const generation = this.generation_;
       this.entries_.set(key, { x, y, version, level, triangles, generation, digest });
     }
-    this.tellExact_();
+    this.updateExact_();
     return true;
   }
 
@@ -103,7 +101,7 @@ export class TileTable {
       this.entries_.delete(key);
     }
     this.complete_ = true;
-    this.tellExact_();
+    this.updateExact_();
     return stale;
   }
 
@@ -130,7 +128,7 @@ export class TileTable {
 
   /** Whether no tile is displayed coarser than the block is. */
   get exact(): boolean {
-    return this.complete_ && this.coarse_ === 0;
+    return this.exact_.value;
   }
 
   /** About how many triangles there are when all tiles are exact. */
@@ -152,9 +150,7 @@ export class TileTable {
     return [...this.entries_.values()].sort((a, b) => a.y - b.y || a.x - b.x);
   }
 
-  private tellExact_(): void {
-    if (this.exact === this.wasExact_) return;
-    this.wasExact_ = this.exact;
-    this.exactChanged.tell();
+  private updateExact_(): void {
+    this.exact_.value = this.complete_ && this.coarse_ === 0;
   }
 }

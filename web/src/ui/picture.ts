@@ -2,6 +2,7 @@
 // The 3D view as the page sees it. It opens once the session was joined, because its code and the GPU
 // take time, and a browser without WebGL has none at all. So what the user sets is kept here.
 
+import { computed } from '@preact/signals';
 import { workerDecoder } from '../decode/frame_decoder';
 import { firstLook } from '../model/first_look';
 import type { PlacedLook } from '../model/first_look';
@@ -14,6 +15,7 @@ import type { PosterPlace } from '../model/poster_place';
 import { Rest } from '../model/rest';
 import type { SessionModel } from '../model/session';
 import type { Viewer } from '../view/viewer';
+import { changeOf } from '../model/change_of';
 import { distance } from '../model/vector';
 import { mark, marks } from '../model/marks';
 import { t } from '../strings';
@@ -182,28 +184,15 @@ export class Picture {
     return this.errorRad_() === 0 && this.model.tiles.exact;
   }
 
-  private whenExact_(): Promise<void> {
-    const { tiles, statusChanged } = this.model;
-    return new Promise((resolve, reject) => {
-      const end = (): void => {
-        clearTimeout(limit);
-        for (const stop of stops) stop();
-      };
-      const fail = (): void => {
-        end();
-        const text = t('The full detail has not arrived. Check the connection and try again.');
-        reject(new Error(text));
-      };
-      const look = (): void => {
-        if (tiles.exact) {
-          end();
-          resolve();
-        } else if (this.model.status !== 'connected') fail();
-      };
-      const limit = setTimeout(fail, EXACT_WITHIN_MS);
-      const stops = [tiles.exactChanged.hear(look), statusChanged.hear(look)];
-      look();
-    });
+  private async whenExact_(): Promise<void> {
+    const { model } = this;
+    const outcome = computed(() =>
+      model.tiles.exact ? 'exact' : model.status === 'connected' ? 'waiting' : 'lost',
+    );
+    const isWaiting = outcome.peek() === 'waiting';
+    const end = isWaiting ? await changeOf(outcome, EXACT_WITHIN_MS) : outcome.peek();
+    if (end === 'exact') return;
+    throw new Error(t('The full detail has not arrived. Check the connection and try again.'));
   }
 
   private errorRad_(): number {

@@ -70,7 +70,7 @@ describe('the past in the page', () => {
       });
     });
     model = new SessionModel();
-    model.welcome = { grid: { origin_mm: [0, 0, 0] } } as never;
+    model.apply({ type: 'welcome', grid: { origin_mm: [0, 0, 0] }, participants: [] } as never);
     model.apply(LIVE);
     const viewer = { local, touchAll: vi.fn() };
     const host = {
