@@ -72,8 +72,8 @@ void check_tests(const std::vector<Source>& tree, std::vector<Violation>& violat
 
 // Sources and scripts state their license in the first or second line.
 void check_license(const Source& source, std::vector<Violation>& violations) {
-  static const std::set<std::string> kSuffixes = {".h",  ".cpp", ".ts", ".mjs",
-                                                  ".py", ".sh",  ".css"};
+  static const std::set<std::string> kSuffixes = {".h",   ".cpp", ".ts", ".tsx",
+                                                  ".mjs", ".py",  ".sh", ".css"};
   const std::string suffix = std::filesystem::path(source.path).extension().string();
   if (!kSuffixes.contains(suffix)) return;
   constexpr std::string_view kLine = "SPDX-License-Identifier: Apache-2.0";
@@ -111,7 +111,7 @@ std::vector<Violation> check_modules(const std::vector<Source>& tree) {
       violations.push_back({source.path, 0, "no CMakeLists.txt builds this file"});
     }
     check_license(source, violations);
-    if (is_cpp(source.path) || source.path.ends_with(".ts")) folders.insert(folder_of(source.path));
+    if (is_cpp(source.path) || is_typescript(source.path)) folders.insert(folder_of(source.path));
     const std::string_view top = std::string_view(source.path).substr(0, source.path.find('/'));
     if (source.path.find('/') != source.path.npos && !kTop.contains(top)) {
       violations.push_back(

@@ -125,6 +125,7 @@ TEST(ArchSizes, MarkdownIsWrappedExceptTablesAndCode) {
 TEST(ArchSizes, LongFilesAreReported) {
   EXPECT_TRUE(check_sizes({"a.ts", lines(400)}).empty());
   EXPECT_EQ(check_sizes({"a.ts", lines(401)}).size(), 1u);
+  EXPECT_EQ(check_sizes({"a.tsx", lines(401)}).size(), 1u);
   EXPECT_TRUE(check_sizes({"a.json", lines(401)}).empty());
 }
 

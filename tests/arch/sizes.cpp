@@ -106,7 +106,7 @@ std::vector<Violation> check_sizes(const Source& source) {
   if (source.path.ends_with(".md")) return check_markdown(source);
   std::vector<Violation> violations;
   const bool cpp = is_cpp(source.path);
-  if (!cpp && !source.path.ends_with(".ts")) return violations;
+  if (!cpp && !is_typescript(source.path)) return violations;
   const auto lines = lines_of(source.text);
   const std::string code = code_only(source.text);
   const auto code_lines = lines_of(code);

@@ -12,9 +12,9 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_checked(const fs::path& path) {
-  static const std::set<std::string> kSuffixes = {".h",   ".cpp",  ".ts",         ".mjs",
-                                                  ".py",  ".sh",   ".md",         ".txt",
-                                                  ".css", ".html", ".Dockerfile", ".svg"};
+  static const std::set<std::string> kSuffixes = {".h",    ".cpp",        ".ts", ".tsx", ".mjs",
+                                                  ".py",   ".sh",         ".md", ".txt", ".css",
+                                                  ".html", ".Dockerfile", ".svg"};
   return kSuffixes.contains(path.extension().string());
 }
 
@@ -89,6 +89,9 @@ std::size_t line_at(std::string_view text, std::size_t offset) {
 
 bool is_header(std::string_view path) { return path.ends_with(".h"); }
 bool is_cpp(std::string_view path) { return is_header(path) || path.ends_with(".cpp"); }
+bool is_typescript(std::string_view path) {
+  return path.ends_with(".ts") || path.ends_with(".tsx");
+}
 
 std::string_view folder_of(std::string_view path) {
   const std::size_t slash = path.rfind('/');

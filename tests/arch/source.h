@@ -36,8 +36,9 @@ std::vector<std::string_view> lines_of(std::string_view text);
 /// The number, from 1, of the line that holds this offset.
 std::size_t line_at(std::string_view text, std::size_t offset);
 
-bool is_cpp(std::string_view path);     ///< .h or .cpp
-bool is_header(std::string_view path);  ///< .h
+bool is_cpp(std::string_view path);         ///< .h or .cpp
+bool is_typescript(std::string_view path);  ///< .ts or .tsx
+bool is_header(std::string_view path);      ///< .h
 /// The folder of a path, without a slash at its end; empty at the root.
 std::string_view folder_of(std::string_view path);
 

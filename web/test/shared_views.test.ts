@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
+// @vitest-environment happy-dom
+import { h, render } from 'preact';
 import { Vector3 } from 'three';
-import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { beforeEach, describe, expect, it } from 'vitest';
 import { SessionModel } from '../src/model/session';
-import type { TogetherParts } from '../src/ui/together/host';
 import type { TogetherHost } from '../src/ui/together/host';
+import { CameraRows } from '../src/ui/together/rows';
 import { SharedViews } from '../src/ui/together/shared_views';
+import { TogetherState } from '../src/ui/together/state';
 import type { CameraMarks } from '../src/view/camera_marks';
 import type { Viewer } from '../src/view/viewer';
 import type { ShownCamera, Welcome } from '../src/wire/types';
-import { FakeElement, stubPage } from './support/fake_dom';
+import { turn } from './support/turn';
 
 const GRACE: ShownCamera = {
   participant: 7,
@@ -31,8 +34,8 @@ describe('“Follow me”', () => {
   let said: string[];
   let rig: ReturnType<typeof fakeRig>;
   let viewer: { rig: typeof rig; parallel: boolean };
-  let share: FakeElement;
-  let cameras: FakeElement;
+  let state: TogetherState;
+  let list: HTMLElement;
   let marked: string[];
   let views: SharedViews;
 
@@ -52,14 +55,13 @@ describe('“Follow me”', () => {
   }
 
   beforeEach(() => {
-    stubPage();
     model = new SessionModel();
     model.apply(WELCOME);
     model.setStatus('connected', '');
     [sent, said, marked] = [[], [], []];
     rig = fakeRig();
     viewer = { rig, parallel: false };
-    [share, cameras] = [new FakeElement(), new FakeElement()];
+    state = new TogetherState();
     const host = {
       model,
       picture: { follow: () => undefined },
@@ -69,20 +71,21 @@ describe('“Follow me”', () => {
     const marks = {
       show: (shown: ShownCamera[]) => (marked = shown.map(({ name }) => name)),
     } as unknown as CameraMarks;
-    const parts = { share, cameras } as unknown as TogetherParts;
-    views = new SharedViews(host, viewer as unknown as Viewer, marks, parts);
+    views = new SharedViews(host, viewer as unknown as Viewer, marks, state);
+    list = document.createElement('ul');
+    render(h(CameraRows, { views }), list);
   });
-  afterEach(() => vi.unstubAllGlobals());
 
-  const chip = (): FakeElement => cameras.children[0]!.children[0]!;
-  function grace(change: Partial<ShownCamera> = {}): void {
+  const chip = (): HTMLElement => list.querySelector('button')!;
+  async function grace(change: Partial<ShownCamera> = {}): Promise<void> {
     model.apply({ type: 'cameras', cameras: [{ ...GRACE, ...change }] });
     views.update();
+    await turn();
   }
 
   it('sends the camera when it has moved, and at another server again', () => {
     views.share();
-    expect(share.getAttribute('aria-pressed')).toBe('true');
+    expect(state.isShared.value).toBe(true);
     for (let n = 0; n < 3; ++n) views.update();
     expect(sent).toEqual([{ eye_mm: [1, 2, 3], target_mm: [0, 0, 0], parallel: false }]);
     rig.camera.position.x = 4;
@@ -102,38 +105,40 @@ describe('“Follow me”', () => {
     expect([sent.at(-1), sent.length]).toEqual([null, 4]);
   });
 
-  it('follows the camera of another one, and shows no mark of it meanwhile', () => {
-    grace();
+  it('follows the camera of another one, and shows no mark of it meanwhile', async () => {
+    await grace();
     expect([chip().textContent, marked]).toEqual(['Follow Grace', ['Grace']]);
     chip().click();
-    grace({ eye_mm: [0, 40, 50] });
+    await grace({ eye_mm: [0, 40, 50] });
     expect([chip().textContent, marked]).toEqual(['Following Grace', []]);
     expect(chip().getAttribute('aria-pressed')).toBe('true');
     expect(rig.camera.position.toArray()).toEqual([0, 40, 50]);
     expect(viewer.parallel).toBe(true);
   });
 
-  it('ends when the user moves the picture', () => {
-    grace();
+  it('ends when the user moves the picture', async () => {
+    await grace();
     chip().click();
     views.update();
     rig.tracks = false; // as the rig says after a key or a pointer
     views.update();
+    await turn();
     expect(chip().getAttribute('aria-pressed')).toBe('false');
     expect(said.at(-1)).toBe('You are back to your own view.');
   });
 
-  it('ends when the view is no longer shared', () => {
-    grace();
+  it('ends when the view is no longer shared', async () => {
+    await grace();
     chip().click();
     model.apply({ type: 'cameras', cameras: [] });
     views.update();
-    expect(cameras.children).toEqual([]);
+    await turn();
+    expect(list.children).toHaveLength(0);
     expect([rig.tracks, said.at(-1)]).toEqual([false, 'The view is no longer shared.']);
   });
 
-  it("does not offer one's own view", () => {
-    grace({ participant: 9 });
-    expect([cameras.children, marked]).toEqual([[], []]);
+  it("does not offer one's own view", async () => {
+    await grace({ participant: 9 });
+    expect([list.children.length, marked]).toEqual([0, []]);
   });
 });

@@ -24,7 +24,7 @@ function each(node: ts.Node, use: (node: ts.Node) => void): void {
 }
 
 const FILES = readdirSync(SOURCES, { recursive: true, encoding: 'utf8' })
-  .filter((file) => file.endsWith('.ts'))
+  .filter((file) => /\.tsx?$/.test(file))
   .map(parsed);
 
 /** The texts that the page gives to t(). */
@@ -92,6 +92,12 @@ describe('the texts of the page', () => {
           if (/(^|\.)(setText|say|say_)$/.test(called)) note(node.arguments.at(-1), file);
           if (called === 'iconButton') note(node.arguments[1], file);
         }
+        if (ts.isJsxText(node) && /[A-Za-z]{2}/.test(node.text))
+          plain.push(`${file.fileName}: ${node.text}`);
+        if (ts.isJsxAttribute(node) && TOLD.test(node.name.getText()))
+          note(node.initializer as ts.Expression | undefined, file);
+        if (ts.isJsxExpression(node) && !ts.isJsxAttribute(node.parent))
+          note(node.expression, file);
         if (ts.isPropertyAssignment(node) && TOLD.test(node.name.getText().replaceAll("'", '')))
           note(node.initializer, file);
       });

@@ -1,26 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// What viewers show each other: pins on the surface, and their cameras.
+// The pins on the surface and the cameras that viewers show each other, as values of signals.
 
+import { signal } from '@preact/signals';
 import type { Pin, ShownCamera } from '../wire/types';
 
 export class Together {
-  pins: readonly Pin[] = [];
-  cameras: readonly ShownCamera[] = [];
-  /** Grows with each change of the pins. */
-  pinChanges = 0;
+  private readonly pins_ = signal<readonly Pin[]>([]);
+  private readonly cameras_ = signal<readonly ShownCamera[]>([]);
+
+  get pins(): readonly Pin[] {
+    return this.pins_.value;
+  }
+
+  get cameras(): readonly ShownCamera[] {
+    return this.cameras_.value;
+  }
 
   /** Another connection or block begins: the server sends both again, if there are any. */
   clear(): void {
-    if (this.pins.length > 0) this.setPins([]);
-    this.cameras = [];
+    if (this.pins_.peek().length > 0) this.setPins([]);
+    this.cameras_.value = [];
   }
 
   setPins(pins: readonly Pin[]): void {
-    this.pins = pins;
-    this.pinChanges += 1;
+    this.pins_.value = pins;
   }
 
   setCameras(cameras: readonly ShownCamera[]): void {
-    this.cameras = cameras;
+    this.cameras_.value = cameras;
   }
 }

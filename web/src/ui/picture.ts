@@ -2,7 +2,7 @@
 // The 3D view as the page sees it. It opens once the session was joined, because its code and the GPU
 // take time, and a browser without WebGL has none at all. So what the user sets is kept here.
 
-import { computed } from '@preact/signals';
+import { computed, signal } from '@preact/signals';
 import { workerDecoder } from '../decode/frame_decoder';
 import { firstLook } from '../model/first_look';
 import type { PlacedLook } from '../model/first_look';
@@ -38,10 +38,9 @@ const EXACT_WITHIN_MS = 60_000;
 export type LoadViewer = () => Promise<typeof import('../view/viewer')>;
 
 export class Picture {
-  /** Null until the view is open, and where there is none. */
-  viewer: Viewer | null = null;
   /** Why there is no picture; empty: there is one, or will be. */
   problem = '';
+  private readonly viewer_ = signal<Viewer | null>(null);
   private readonly exactFor_ = new Set<object>();
   private readonly rest_ = new Rest();
   private restRad_: number | null = null; // the acceptable error at rest; null: the picture moves
@@ -66,6 +65,11 @@ export class Picture {
     private readonly load: LoadViewer = () => import('../view/viewer'),
     private readonly decode = workerDecoder(),
   ) {}
+
+  /** The view, as a signal's value: null until it is open, and where there is none. */
+  get viewer(): Viewer | null {
+    return this.viewer_.value;
+  }
 
   /** Opens the view of a session that was joined, or prepares it for one joined again. */
   welcome(welcome: Welcome): void {
@@ -235,7 +239,7 @@ export class Picture {
       viewer.arrowsVisible = this.arrowsVisible_;
       viewer.follow(this.followed_);
       if (this.model.welcome) viewer.welcome(this.model.welcome);
-      this.viewer = viewer;
+      this.viewer_.value = viewer;
     } catch (problem) {
       console.warn(problem);
       this.problem = (problem as Error).message;

@@ -21,12 +21,3 @@ export interface TogetherHost {
   /** Shows a sentence for some seconds. */
   say: (text: string) => void;
 }
-
-/** The parts of the section that the chunk fills and changes. */
-export interface TogetherParts {
-  pin: HTMLButtonElement;
-  share: HTMLButtonElement;
-  video: HTMLButtonElement;
-  cameras: HTMLElement;
-  pins: HTMLElement;
-}

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What viewers do together: pins on the surface, views that others follow, pictures to take along.
+// Pins on the surface, views that other viewers follow, pictures and videos of the block.
 
-import { t } from '../../strings';
+import { effect } from '@preact/signals';
+import type { VNode } from 'preact';
 import '../style/together.css';
 import { removePin } from '../../link/pins';
 import type { Pin } from '../../wire/types';
@@ -9,13 +10,13 @@ import { CameraMarks } from '../../view/camera_marks';
 import { PinView } from '../../view/pin_view';
 import type { Viewer } from '../../view/viewer';
 import { Vector3 } from 'three';
-import { h, setText } from '../dom';
 import { sentence } from '../format';
-import type { TogetherParts } from './host';
 import type { TogetherHost } from './host';
 import { PinSetter } from './pin_setter';
+import { CameraRows, PinRows } from './rows';
 import { saveFile, savePicture } from './save_picture';
 import { SharedViews } from './shared_views';
+import type { TogetherState } from './state';
 
 const SETTLE_EVERY_MS = 500;
 
@@ -24,26 +25,21 @@ export class TogetherPanel {
   private readonly setter_: PinSetter;
   private readonly views_: SharedViews;
   private video_: AbortController | null = null;
-  private shownPins_ = -1;
   private settledMs_ = -Infinity;
 
   constructor(
     private readonly host: TogetherHost,
     private readonly viewer: Viewer,
-    private readonly parts: TogetherParts,
+    private readonly state: TogetherState,
   ) {
     this.marks_ = new PinView(viewer, host.overlay);
-    this.setter_ = new PinSetter(host, viewer, parts.pin);
-    this.views_ = new SharedViews(host, viewer, new CameraMarks(viewer, host.overlay), parts);
+    this.setter_ = new PinSetter(host, viewer, state);
+    this.views_ = new SharedViews(host, viewer, new CameraMarks(viewer, host.overlay), state);
+    effect(() => this.marks_.show(host.model.together.pins));
   }
 
+  /** Samples the picture; called about ten times a second. */
   update(): void {
-    const { together } = this.host.model;
-    if (this.shownPins_ !== together.pinChanges) {
-      this.shownPins_ = together.pinChanges;
-      this.marks_.show(together.pins);
-      this.parts.pins.replaceChildren(...together.pins.map((pin) => this.row_(pin)));
-    }
     const now = performance.now();
     if (now - this.settledMs_ > SETTLE_EVERY_MS) {
       this.settledMs_ = now;
@@ -51,6 +47,22 @@ export class TogetherPanel {
     }
     this.setter_.update();
     this.views_.update();
+  }
+
+  /** The list of shared views. */
+  cameraRows(): VNode {
+    return <CameraRows views={this.views_} />;
+  }
+
+  /** The list of pins. */
+  pinRows(): VNode {
+    return (
+      <PinRows
+        host={this.host}
+        lookAt={(pin) => this.lookAt_(pin)}
+        remove={(pin) => this.remove_(pin)}
+      />
+    );
   }
 
   setPin(): void {
@@ -75,11 +87,9 @@ export class TogetherPanel {
   }
 
   private async record_(): Promise<void> {
-    const { host, viewer, parts } = this;
+    const { host, viewer, state } = this;
     const { signal } = (this.video_ = new AbortController());
-    const name = parts.video.textContent;
-    const tell = (share: number): void =>
-      setText(parts.video, t('Cancel video, {0} %', Math.round(100 * share)));
+    const tell = (share: number): void => void (state.recorded.value = share);
     try {
       tell(0);
       const { turntableOf } = await import('./turntable');
@@ -88,42 +98,15 @@ export class TogetherPanel {
     } catch (problem) {
       if (!signal.aborted) host.say(sentence((problem as Error).message));
     }
-    setText(parts.video, name);
+    state.recorded.value = null;
     this.video_ = null;
   }
 
-  private row_(pin: Pin): HTMLElement {
+  private remove_(pin: Pin): void {
     const { host } = this;
-    const go = h(
-      'button',
-      { type: 'button', class: 'pin-go', title: t('Look at this spot') },
-      h('span', { class: 'pin-words' }, pin.text),
-      h('small', {}, pin.author),
+    removePin(host.session, pin.pin).catch((problem: unknown) =>
+      host.say(sentence((problem as Error).message)),
     );
-    go.addEventListener('click', () => this.lookAt_(pin));
-    const item = h('li', { class: 'pin' }, go);
-    const { welcome } = host.model;
-    const isOwn = pin.author === host.name();
-    const may = (action: string): boolean =>
-      welcome?.may === undefined || welcome.may.includes(action);
-    if (may('moderate') || (isOwn && may('place_pins'))) {
-      const remove = h(
-        'button',
-        {
-          type: 'button',
-          class: 'quiet-action',
-          'aria-label': t('Remove the pin “{0}”', pin.text),
-        },
-        t('Remove'),
-      );
-      remove.addEventListener('click', () => {
-        removePin(host.session, pin.pin).catch((problem: unknown) =>
-          host.say(sentence((problem as Error).message)),
-        );
-      });
-      item.append(remove);
-    }
-    return item;
   }
 
   /** Flies to where the pin is seen from outside, as far away as the camera is now. */
