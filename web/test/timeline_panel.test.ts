@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { Bookmarks } from '../src/ui/timeline/bookmarks';
 import { Records } from '../src/ui/timeline/records';
 import type { StateMessage } from '../src/wire/types';
-import type { FakeElement } from './support/fake_dom';
-import { stubPage } from './support/fake_dom';
 import { turn } from './support/turn';
 
 type Json = Record<string, unknown>;
@@ -77,72 +74,5 @@ describe('the records of the timeline', () => {
     expect(asked.filter((path) => path === 'strokes?since=0')).toHaveLength(2);
     await tick(18_000, state(20, 'a'));
     expect(asked.filter((path) => path === 'strokes?since=0')).toHaveLength(3);
-  });
-});
-
-describe('the versions of the timeline', () => {
-  const HALF = { name: 'Half done', record: 12, time_ms: 0, author: 'Ada', may_change: true };
-
-  function open(): { calls: unknown[][]; element: FakeElement; bookmarks: Bookmarks } {
-    stubPage();
-    const calls: unknown[][] = [];
-    const call =
-      (name: string) =>
-      (...values: unknown[]): void => {
-        calls.push([name, ...values]);
-      };
-    const names = ['go', 'name', 'rename', 'remove', 'branch'] as const;
-    const actions = Object.fromEntries(names.map((name) => [name, call(name)]));
-    const bookmarks = new Bookmarks(
-      actions as unknown as ConstructorParameters<typeof Bookmarks>[0],
-      () => 'demo-12',
-    );
-    bookmarks.allow(true, true);
-    bookmarks.show([HALF]);
-    return { calls, element: bookmarks.element as unknown as FakeElement, bookmarks };
-  }
-
-  afterEach(() => vi.unstubAllGlobals());
-
-  const button = (element: FakeElement, label: string): FakeElement =>
-    element.all('timeline-action').find(({ textContent }) => textContent === label)!;
-
-  it('can be renamed and deleted once one is chosen', () => {
-    const { calls, element } = open();
-    expect(button(element, 'Rename').disabled).toBe(true);
-    expect(button(element, 'Delete').disabled).toBe(true);
-    const list = element.all('timeline-versions')[0]!;
-    list.value = 'Half done';
-    list.dispatch('change');
-    expect(button(element, 'Rename').disabled).toBe(false);
-    button(element, 'Rename').click();
-    const input = element.all('timeline-input')[0]!;
-    expect(input.value).toBe('Half done');
-    input.value = ' Roughed ';
-    element.all('timeline-form')[0]!.dispatch('submit');
-    button(element, 'Delete').click();
-    expect(calls).toEqual([
-      ['go', 12],
-      ['rename', 'Half done', 'Roughed'],
-      ['remove', 'Half done'],
-    ]);
-  });
-
-  it('of others can only be gone to', () => {
-    const { calls, element, bookmarks } = open();
-    bookmarks.show([{ ...HALF, may_change: false }]);
-    const list = element.all('timeline-versions')[0]!;
-    list.value = 'Half done';
-    list.dispatch('change');
-    expect(calls).toEqual([['go', 12]]);
-    expect(button(element, 'Rename').disabled).toBe(true);
-    expect(button(element, 'Delete').disabled).toBe(true);
-  });
-
-  it('cannot be changed without the right', () => {
-    const { element, bookmarks } = open();
-    bookmarks.allow(false, false);
-    for (const label of ['Rename', 'Delete', 'Save a version', 'Branch from here'])
-      expect(button(element, label).hidden).toBe(true);
   });
 });

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the timeline knows of the journal: strokes, versions and forces, asked for while it is open
-// and only as often as something may have changed.
+// The strokes, versions and forces of the journal. They are requested while the timeline is open, and
+// only as often as something may have changed.
 
+import { signal } from '@preact/signals';
 import { forceCurve, listVersions } from '../../link/history';
 import type { Version } from '../../link/history';
 import type { ForceCurve } from '../../model/force_curve';
@@ -12,24 +13,24 @@ import type { StrokeRow } from '../../model/timeline';
 import type { StateMessage } from '../../wire/types';
 
 const NEWER_MS = 1500;
-/** Named by others. */
+/** Other viewers may name versions. */
 const VERSIONS_MS = 15_000;
-/** Older strokes may have been undone, of which a state of the past says nothing. */
+/** A state of the past does not say whether older strokes have been undone. */
 const ALL_PAST_MS = 15_000;
-/** One may be missed among the motions of others. */
+/** An undo may be missed among the motions of other participants. */
 const ALL_MS = 120_000;
 const FORCE_POINTS = 800;
 const FORCES_MS = 10_000;
-/** The server carves the journal again for the forces: at most this share of the time. */
+/** Greatest share of the time that the server carves the journal again for the forces. */
 const FORCES_SHARE = 0.05;
 
 export class Records {
   strokes: readonly Stroke[] = [];
   rows: readonly StrokeRow[] = [];
-  versions: readonly Version[] = [];
   forces: ForceCurve | null = null;
   /** The last record. */
   end = 0;
+  private readonly versions_ = signal<readonly Version[]>([]);
   private busy_ = false;
   private askedMs_ = -Infinity;
   private allMs_ = -Infinity;
@@ -45,7 +46,12 @@ export class Records {
     private readonly failed: (problem: unknown) => void,
   ) {}
 
-  /** All is asked for at the next tick. */
+  /** The named versions, as a signal's value. */
+  get versions(): readonly Version[] {
+    return this.versions_.value;
+  }
+
+  /** Everything is requested at the next tick. */
   invalidate(): void {
     this.allMs_ = -Infinity;
     this.versionsMs_ = -Infinity;
@@ -82,7 +88,7 @@ export class Records {
       if (asksVersions && isLatest) this.versionsMs_ = nowMs;
       this.strokes = joined(this.strokes, since, strokes);
       this.rows = rowsOf(this.strokes);
-      this.versions = versions;
+      this.versions_.value = versions;
       this.end = this.strokes.reduce((end, { last }) => Math.max(end, last), 0);
       this.changed();
     } catch (problem) {

@@ -18,13 +18,13 @@ import { h, setText } from '../dom';
 import { count, sentence } from '../format';
 import { changedText } from '../history';
 import { Banner } from './banner';
-import { Bookmarks } from './bookmarks';
 import { Compare } from './compare';
 import type { TimelineHost } from './host';
 import { Records } from './records';
 import { CLOCK, Selection } from './selection';
 import { Strip } from './strip';
 import { Transport } from './transport';
+import { versionControls } from './versions';
 
 const UPDATE_MS = 50;
 
@@ -53,7 +53,6 @@ export class Timeline {
     play: (rate) => this.play_(rate),
     live: () => this.seek_('live', 0),
   });
-  private readonly bookmarks_: Bookmarks;
   private readonly compare_: Compare;
   private readonly where_ = h('p', { class: 'timeline-where' });
   private readonly element_: HTMLElement;
@@ -75,8 +74,10 @@ export class Timeline {
       () => this.redraw_(),
       (problem) => this.tell_(problem),
     );
-    this.bookmarks_ = new Bookmarks(
-      {
+    const versions = versionControls({
+      model,
+      records: this.records_,
+      actions: {
         go: (record) => this.seek_(record, 0),
         name: (name) =>
           void this.keep_(nameVersion(session, name, this.record_), t('“{0}” was saved.', name)),
@@ -89,17 +90,17 @@ export class Timeline {
           void this.keep_(deleteVersion(session, name), t('“{0}” was deleted.', name)),
         branch: (id) => void this.branch_(id),
       },
-      () => `${session.slice(0, 50)}-${this.record_ ?? this.records_.end}`,
-    );
+      proposed: () => `${session.slice(0, 50)}-${this.record_ ?? this.records_.end}`,
+    });
     const main = opener.closest('main') ?? document.body;
     this.compare_ = new Compare(host.picture, main);
-    this.bookmarks_.element.append(this.compare_.button);
+    versions.append(this.compare_.button);
     this.element_ = h(
       'section',
       { class: 'timeline', 'aria-label': t('Timeline'), hidden: '' },
       h('div', { class: 'timeline-controls' }, this.transport_.element, this.where_),
       this.strip_.element,
-      h('div', { class: 'timeline-foot' }, this.selection_.element, this.bookmarks_.element),
+      h('div', { class: 'timeline-foot' }, this.selection_.element, versions),
     );
     main.append(this.banner_.element, this.element_);
     new ResizeObserver(() => {
@@ -198,9 +199,8 @@ export class Timeline {
       this.rest_();
       return;
     }
-    const may = (what: string): boolean => model.welcome?.may?.includes(what) ?? true;
-    this.bookmarks_.allow(may('name_versions'), may('administer'));
-    this.records_.tick(nowMs, model.state, may('download'));
+    const mayReadForces = model.welcome?.may?.includes('download') ?? true;
+    this.records_.tick(nowMs, model.state, mayReadForces);
   }
 
   /** Nothing to do while the timeline is closed and the present is shown. */
@@ -261,7 +261,6 @@ export class Timeline {
       colorOf: (participant) => this.authors_.colorOf(participant),
       nameOf: (participant) => this.authors_.nameOf(participant),
     });
-    this.bookmarks_.show(versions);
     if (this.selected_) {
       const { id } = this.selected_;
       this.select_(this.records_.strokes.find((stroke) => stroke.id === id) ?? null);

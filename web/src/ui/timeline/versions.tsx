@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Named versions: go to one, name the block that is shown, rename or delete one; and a branch, a session that
-// begins as the block is shown.
+// Named versions: go to one, name the block that is shown, rename or delete one. Also a branch: a new
+// session that begins with the block that is shown.
 
+import { useSignal } from '@preact/signals';
+import { render } from 'preact';
+import { useLayoutEffect, useRef } from 'preact/hooks';
 import { t } from '../../strings';
 import type { Version } from '../../link/history';
-import { h, setText } from '../dom';
+import type { SessionModel } from '../../model/session';
+import { h } from '../dom';
 import { count } from '../format';
 
-export interface BookmarkActions {
+export interface VersionActions {
   go: (record: number) => void;
   name: (name: string) => void;
   rename: (old: string, name: string) => void;
@@ -15,131 +19,175 @@ export interface BookmarkActions {
   branch: (id: string) => void;
 }
 
-type Form = 'version' | 'rename' | 'branch';
+export interface VersionsProps {
+  model: SessionModel;
+  /** Its list is the value of a signal. */
+  records: { readonly versions: readonly Version[] };
+  actions: VersionActions;
+  /** Returns a name for a branch from the record that is shown. */
+  proposed: () => string;
+}
 
-export class Bookmarks {
-  private readonly list_ = h('select', { class: 'timeline-versions', 'aria-label': t('Versions') });
-  private readonly rename_ = this.button_(t('Rename'));
-  private readonly delete_ = this.button_(t('Delete'));
-  private readonly name_ = this.button_(t('Save a version'));
-  private readonly branch_ = this.button_(t('Branch from here'));
-  private readonly input_ = h('input', { class: 'timeline-input', maxlength: '64', required: '' });
-  private readonly save_ = h('button', { class: 'timeline-action' }, t('Save'));
-  private readonly form_ = h(
-    'form',
-    { class: 'timeline-form', hidden: '' },
-    this.input_,
-    this.save_,
+type FormKind = 'version' | 'rename' | 'branch';
+
+const LABELS = {
+  version: { input: t('Name of the version'), save: t('Save') },
+  rename: { input: t('Name of the version'), save: t('Save name') },
+  branch: { input: t('ID of the new session'), save: t('Create branch') },
+};
+
+interface NameFormProps {
+  kind: FormKind | null;
+  text: string;
+  write: (text: string) => void;
+  save: () => void;
+  cancel: () => void;
+}
+
+/** The form for the name of a version or the ID of a branch; hidden if `kind` is null. */
+function NameForm({ kind, text, write, save, cancel }: NameFormProps) {
+  const input = useRef<HTMLInputElement>(null);
+  useLayoutEffect(() => {
+    if (kind === null) return;
+    input.current?.focus();
+    input.current?.select();
+  }, [kind]);
+  const labels = LABELS[kind ?? 'version'];
+  const isBranch = kind === 'branch';
+  return (
+    <form
+      class="timeline-form"
+      hidden={kind === null}
+      onKeyDown={({ key }) => {
+        if (key === 'Escape') cancel();
+      }}
+      onSubmit={(event) => {
+        event.preventDefault();
+        save();
+      }}
+    >
+      <input
+        ref={input}
+        class="timeline-input"
+        maxLength={64}
+        required
+        aria-label={labels.input}
+        placeholder={labels.input}
+        pattern={isBranch ? '[a-z0-9_\\-]{1,64}' : '[^\\/]+'}
+        title={isBranch ? t('Lowercase letters, digits, - and _') : ''}
+        value={text}
+        onInput={({ currentTarget }) => write(currentTarget.value)}
+      />
+      <button class="timeline-action">{labels.save}</button>
+      <button type="button" class="timeline-action" onClick={cancel}>
+        {t('Cancel')}
+      </button>
+    </form>
   );
-  readonly element = h(
-    'div',
-    { class: 'timeline-bookmarks', role: 'group', 'aria-label': t('Versions and branches') },
-    this.list_,
-    this.rename_,
-    this.delete_,
-    this.name_,
-    this.branch_,
-    this.form_,
+}
+
+/** The menu of versions. `chosen` is one of them, or undefined. */
+function VersionMenu(props: {
+  versions: readonly Version[];
+  chosen: Version | undefined;
+  choose: (name: string) => void;
+}) {
+  const { versions, chosen, choose } = props;
+  return (
+    <select
+      class="timeline-versions"
+      aria-label={t('Versions')}
+      value={chosen?.name ?? ''}
+      onChange={({ currentTarget }) => choose(currentTarget.value)}
+    >
+      <option value="">{versions.length === 0 ? t('No versions') : t('Go to version…')}</option>
+      {versions.map(({ name, record, author }) => (
+        <option key={name} value={name}>
+          {`${name} · ${count(record)}${author ? ` · ${author}` : ''}`}
+        </option>
+      ))}
+    </select>
   );
-  private readonly openers_: Record<Form, HTMLElement> = {
-    version: this.name_,
-    rename: this.rename_,
-    branch: this.branch_,
+}
+
+function Versions({ model, records, actions, proposed }: VersionsProps) {
+  const chosenName = useSignal('');
+  const form = useSignal<FormKind | null>(null);
+  const text = useSignal('');
+  const openers = useRef<Partial<Record<FormKind, HTMLButtonElement | null>>>({});
+  const { versions } = records;
+  const chosen = versions.find(({ name }) => name === chosenName.value);
+  const may = (what: string): boolean => model.welcome?.may?.includes(what) ?? true;
+  // The server decides who may change a version of another participant.
+  const isFixed = chosen?.may_change !== true;
+  const open = (kind: FormKind): void => {
+    form.value = kind;
+    text.value = kind === 'branch' ? proposed() : kind === 'rename' ? (chosen?.name ?? '') : '';
   };
-  private shown_ = '';
-  private versions_: readonly Version[] = [];
-  private asks_: Form | null = null;
+  const close = (): void => {
+    if (form.value) openers.current[form.value]?.focus();
+    form.value = null;
+  };
+  const choose = (name: string): void => {
+    chosenName.value = name;
+    const version = versions.find((one) => one.name === name);
+    if (version) actions.go(version.record);
+  };
+  const save = (): void => {
+    const [kind, name] = [form.value, text.value.trim()];
+    close();
+    if (name === '') return;
+    if (kind === 'branch') actions.branch(name);
+    else if (kind === 'version') actions.name(name);
+    else if (chosen) actions.rename(chosen.name, name);
+  };
+  const opener = (kind: FormKind) => ({
+    type: 'button' as const,
+    class: 'timeline-action',
+    ref: (button: HTMLButtonElement | null) => void (openers.current[kind] = button),
+    onClick: () => open(kind),
+  });
+  return (
+    <>
+      <VersionMenu versions={versions} chosen={chosen} choose={choose} />
+      <button {...opener('rename')} hidden={!may('name_versions')} disabled={isFixed}>
+        {t('Rename')}
+      </button>
+      <button
+        type="button"
+        class="timeline-action"
+        hidden={!may('name_versions')}
+        disabled={isFixed}
+        onClick={() => {
+          if (chosen) actions.remove(chosen.name);
+        }}
+      >
+        {t('Delete')}
+      </button>
+      <button {...opener('version')} hidden={!may('name_versions')}>
+        {t('Save a version')}
+      </button>
+      <button {...opener('branch')} hidden={!may('administer')}>
+        {t('Branch from here')}
+      </button>
+      <NameForm
+        kind={form.value}
+        text={text.value}
+        write={(written) => (text.value = written)}
+        save={save}
+        cancel={close}
+      />
+    </>
+  );
+}
 
-  /** @param proposed a name for a branch from the point that is shown */
-  constructor(
-    actions: BookmarkActions,
-    private readonly proposed: () => string,
-  ) {
-    this.list_.addEventListener('change', () => {
-      if (this.version_) actions.go(this.version_.record);
-      this.update_();
-    });
-    this.delete_.addEventListener('click', () => {
-      if (this.list_.value !== '') actions.remove(this.list_.value);
-    });
-    this.rename_.addEventListener('click', () => this.ask_('rename'));
-    this.name_.addEventListener('click', () => this.ask_('version'));
-    this.branch_.addEventListener('click', () => this.ask_('branch'));
-    const cancel = this.button_(t('Cancel'));
-    cancel.addEventListener('click', () => this.ask_(null));
-    this.form_.append(cancel);
-    this.form_.addEventListener('keydown', (event) => {
-      if (event.key === 'Escape') this.ask_(null);
-    });
-    this.form_.addEventListener('submit', (event) => {
-      event.preventDefault();
-      const text = this.input_.value.trim();
-      const what = this.asks_;
-      this.ask_(null);
-      if (text === '') return;
-      if (what === 'branch') actions.branch(text);
-      else if (what === 'version') actions.name(text);
-      else if (this.version_) actions.rename(this.version_.name, text);
-    });
-  }
-
-  show(versions: readonly Version[]): void {
-    const key = JSON.stringify(versions);
-    if (key === this.shown_) return;
-    this.shown_ = key;
-    this.versions_ = versions;
-    const { value } = this.list_;
-    this.list_.replaceChildren(
-      h('option', { value: '' }, versions.length === 0 ? t('No versions') : t('Go to version…')),
-      ...versions.map(({ name, record, author }) =>
-        h('option', { value: name }, `${name} · ${count(record)}${author ? ` · ${author}` : ''}`),
-      ),
-    );
-    this.list_.value = versions.some(({ name }) => name === value) ? value : '';
-    this.update_();
-  }
-
-  /** What this viewer may do. */
-  allow(versions: boolean, branches: boolean): void {
-    this.name_.hidden = !versions;
-    this.rename_.hidden = !versions;
-    this.delete_.hidden = !versions;
-    this.branch_.hidden = !branches;
-  }
-
-  /** Versions of others may be visited, and changed by those whom the server lets. */
-  private update_(): void {
-    const isFixed = this.version_?.may_change !== true;
-    for (const button of [this.rename_, this.delete_]) button.disabled = isFixed;
-  }
-
-  /** The one that is chosen. */
-  private get version_(): Version | undefined {
-    return this.versions_.find(({ name }) => name === this.list_.value);
-  }
-
-  private ask_(what: Form | null): void {
-    const last = this.asks_;
-    this.asks_ = what;
-    this.form_.hidden = what === null;
-    if (what === null) {
-      if (last) this.openers_[last].focus();
-      return;
-    }
-    const isBranch = what === 'branch';
-    const label = isBranch ? t('ID of the new session') : t('Name of the version');
-    const isRename = what === 'rename';
-    this.input_.setAttribute('aria-label', label);
-    this.input_.placeholder = label;
-    this.input_.pattern = isBranch ? '[a-z0-9_\\-]{1,64}' : '[^\\/]+';
-    this.input_.title = isBranch ? t('Lowercase letters, digits, - and _') : '';
-    this.input_.value = isBranch ? this.proposed() : isRename ? this.list_.value : '';
-    setText(this.save_, isBranch ? t('Create branch') : isRename ? t('Save name') : t('Save'));
-    this.input_.focus();
-    this.input_.select();
-  }
-
-  private button_(label: string): HTMLButtonElement {
-    return h('button', { type: 'button', class: 'timeline-action' }, label);
-  }
+/** Returns the group of controls for versions and branches. */
+export function versionControls(props: VersionsProps): HTMLElement {
+  const element = h('div', {
+    class: 'timeline-bookmarks',
+    role: 'group',
+    'aria-label': t('Versions and branches'),
+  });
+  render(<Versions {...props} />, element);
+  return element;
 }
