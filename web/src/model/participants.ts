@@ -4,6 +4,7 @@
 // The list creates the entries; tool states of unknown participants are ignored, but in the past, where
 // they are of participants who have left.
 
+import { signal } from '@preact/signals';
 import { t } from '../strings';
 import { STATUS_FELT } from '../wire/types';
 import type { ParticipantInfo, ParticipantsChanged, ToolState } from '../wire/types';
@@ -49,8 +50,8 @@ function isSamePerson(viewer: ParticipantInfo, { kind, name, color }: Participan
 export class Participants {
   private readonly byId_ = new Map<number, Participant>();
   private readonly authors_ = new Map<number, Author>(); // also those who have left
-  private revision_ = 0;
-  private viewers_ = 0;
+  private readonly revision_ = signal(0); // counts changes of the list
+  private readonly viewers_ = signal(0);
   /**
    * The past is shown: frames of tools have all that are known, also those of participants who have
    * left.
@@ -67,16 +68,16 @@ export class Participants {
     for (const id of this.byId_.keys()) {
       if (!present.has(id)) this.byId_.delete(id);
     }
-    this.viewers_ = viewers ?? list.filter((info) => info.kind === 'viewer').length;
-    this.revision_ += 1;
+    this.viewers_.value = viewers ?? list.filter((info) => info.kind === 'viewer').length;
+    this.changed_();
   }
 
   /** Applies a change of the list. */
   change(change: ParticipantsChanged): void {
     for (const info of change.changed) this.put_(info);
     for (const id of change.left) this.byId_.delete(id);
-    this.viewers_ = change.viewers;
-    this.revision_ += 1;
+    this.viewers_.value = change.viewers;
+    this.changed_();
   }
 
   /** Takes who could carve, as the server tells it of those who have left, too. */
@@ -88,17 +89,18 @@ export class Participants {
       this.authors_.set(participant, author);
       if (known) known.info = { ...known.info, name, color };
     }
-    this.revision_ += 1;
+    this.changed_();
   }
 
   /** Who a participant is or was; undefined: it left before the page came. */
   author(participant: number): Author | undefined {
+    this.track_();
     return this.authors_.get(participant);
   }
 
   /** Number of viewers, listed or not. */
   get viewers(): number {
-    return this.viewers_;
+    return this.viewers_.value;
   }
 
   /** Applies one tools frame. `timeMs` is the frame's server time, mapped to the local clock. */
@@ -125,7 +127,9 @@ export class Participants {
     this.forgetAllBut_([]);
   }
 
+  /** As all readers of the list: in a component or an effect, it is tracked as a signal. */
   get(id: number): Participant | undefined {
+    this.track_();
     return this.byId_.get(id);
   }
 
@@ -135,6 +139,7 @@ export class Participants {
   }
 
   all(): Participant[] {
+    this.track_();
     return [...this.byId_.values()].sort((a, b) => a.info.participant - b.info.participant);
   }
 
@@ -148,13 +153,17 @@ export class Participants {
 
   /** Whether a participant is the agent of a viewer, who carves in the page. */
   isAgentOf(viewer: number | undefined, { info }: Participant): boolean {
-    const self = viewer === undefined ? undefined : this.byId_.get(viewer)?.info;
+    const self = viewer === undefined ? undefined : this.get(viewer)?.info;
     return self !== undefined && isSamePerson(self, info);
   }
 
-  /** Counter of list changes, so that the page rebuilds its list only after a change. */
-  get revision(): number {
-    return this.revision_;
+  /** Reads the signal that counts the changes of the list. */
+  private track_(): number {
+    return this.revision_.value;
+  }
+
+  private changed_(): void {
+    this.revision_.value = this.revision_.peek() + 1;
   }
 
   private forgetAllBut_(tools: readonly ToolState[]): void {
@@ -174,7 +183,7 @@ export class Participants {
       color: colorOfUnknown(participant),
     };
     this.enter_({ participant, name, color, kind: 'agent', tool: tool_id });
-    this.revision_ += 1;
+    this.changed_();
     return this.byId_.get(participant);
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The side panel (a bottom sheet on phones): figures, participants, plots, downloads, material.
 
+import { signal } from '@preact/signals';
 import { t } from '../strings';
 import { pageAddress } from '../link/request';
 import type { StockMaterialPreset } from '../model/materials';
@@ -19,13 +20,13 @@ import { MaterialChoice } from '../ui/material_choice';
 import { mountCheck } from '../replay/mount';
 import type { Viewer } from '../view/viewer';
 import { navigationChoice } from '../ui/navigation_choice';
-import { People } from '../ui/people';
+import { peopleLists } from '../ui/people';
+import type { PersonChoice } from '../ui/person_choice';
 import { PlotSpot } from '../ui/plot_spot';
 import { takeHomeButton } from '../ui/take_home/mount';
 
 const SILENT_MS = 1500; // without a tool state for so long, there is no newest force
 export interface PanelActions {
-  personPressed: (participant: number) => void;
   /** The viewer has chosen another name. */
   renamed: (name: string) => void;
   /** The picture's; null: it is not there yet, or there is none. */
@@ -59,7 +60,7 @@ export class Panel {
   private readonly plotOf_ = h('span', { class: 'plot-of' });
   private plotted_: Participant | null = null; // stays when the participant leaves
   private readonly material_: MaterialChoice;
-  private readonly people_: People;
+  private readonly nowMs_ = signal(0);
   readonly history: History;
   private readonly plots_: PlotSpot;
 
@@ -67,13 +68,15 @@ export class Panel {
     private readonly model: SessionModel,
     session: string,
     colors: { force: string; torque: string },
+    private readonly choice: PersonChoice,
     together: HTMLElement,
     private readonly actions: PanelActions,
   ) {
     this.material_ = new MaterialChoice(actions.materialChosen);
-    this.people_ = new People(model, actions.personPressed, actions.renamed);
     this.history = new History(model, session);
     this.plots_ = new PlotSpot(colors);
+    const { nowMs_: nowMs } = this;
+    const people = peopleLists({ model, choice, nowMs, renamed: actions.renamed });
     const check = mountCheck(session, model, actions.viewer);
     const figures = [this.motions_, this.triangles_, this.pitch_].map(({ element }) => element);
     const forces = section(t('Forces'), this.plots_.element);
@@ -86,7 +89,7 @@ export class Panel {
         'div',
         { class: 'panel-scroll' },
         h('dl', { class: 'figures' }, this.removed_.element),
-        section(t('Participants'), this.people_.root),
+        section(t('Participants'), people),
         together,
         forces,
         section(t('History'), this.history.element),
@@ -116,8 +119,10 @@ export class Panel {
    * @param started the first picture is drawn, or there is none, so that what is not needed for it
    * may be loaded
    */
-  update(selected: number | null, followed: number | null, nowMs: number, started: boolean): void {
+  update(nowMs: number, started: boolean): void {
     const { state, welcome, tiles } = this.model;
+    const { selected } = this.choice;
+    this.nowMs_.value = nowMs;
     this.motions_.set(state ? count(state.motions) : '–');
     this.removed_.set(
       ...(state ? volume(state.removed_volume_mm3) : (['–', ''] as [string, string])),
@@ -130,7 +135,6 @@ export class Panel {
     this.hash_.classList.toggle('settled', isComplete);
     setText(this.connection_, connectionText(this.model, nowMs));
     this.material_.suggest(this.model.participants.carvers().map(({ info }) => info.kind));
-    this.people_.update(selected, followed, nowMs);
     this.history.update(selected, nowMs);
     const { participants } = this.model;
     this.plotted_ = (selected === null ? undefined : participants.get(selected)) ?? this.plotted_;

@@ -32,6 +32,7 @@ import { remember } from '../strings/memory';
 import { failurePage, Notice } from '../ui/notice';
 import { Flash, noticeText, SESSION_CLOSED } from '../ui/notice_text';
 import { OneOpen } from '../ui/one_open';
+import { PersonChoice } from '../ui/person_choice';
 import { Panel } from './panel';
 import { Picture } from '../ui/picture';
 import { Poster } from '../ui/poster';
@@ -73,7 +74,7 @@ export class SessionPage {
   private readonly toggleInspect_: () => void;
   readonly carve: CarveSwitch;
   private readonly lookPolicy_ = new LookPolicy();
-  private selected_: number | null = null;
+  private readonly people_: PersonChoice;
   private panelMs_ = 0;
   private contextLost_ = false;
   private readonly flash_ = new Flash();
@@ -109,8 +110,9 @@ export class SessionPage {
       showCamera: (pose) => this.link_.showCamera(pose),
       say: (text) => this.flash_.say(text),
     });
-    this.panel_ = new Panel(this.model, session, this.colors_, this.together_.element, {
-      personPressed: (id) => this.personPressed_(id),
+    this.people_ = new PersonChoice(this.model.participants, this.picture);
+    const { element: together } = this.together_;
+    this.panel_ = new Panel(this.model, session, this.colors_, this.people_, together, {
       renamed: (name) => this.link_.rename(name),
       viewer: () => this.picture.viewer,
       materialChosen: (preset) => this.picture.setMaterial(preset),
@@ -272,7 +274,7 @@ export class SessionPage {
         front: () => this.rig_?.preset('front', now()),
         right: () => this.rig_?.preset('right', now()),
         top: () => this.rig_?.preset('top', now()),
-        followNext: () => this.followNext_(),
+        followNext: () => this.people_.followNext(),
         toggleArrows: () => this.toggleArrows_(),
         help: () => this.help_.showModal(),
       },
@@ -287,7 +289,7 @@ export class SessionPage {
       orbit: (around, up) => this.rig_?.orbit(around, up),
       pan: (right, up) => this.rig_?.pan(right, up),
       zoom: (factor) => this.rig_?.zoom(factor),
-      followNext: () => this.followNext_(),
+      followNext: () => this.people_.followNext(),
       followNone: () => this.picture.follow(null),
       toggleArrows: () => this.toggleArrows_(),
       toggleGrid: () => this.picture.viewer?.toggleGrid(),
@@ -329,13 +331,8 @@ export class SessionPage {
   private updatePanel_(nowMs: number): void {
     this.panelMs_ = nowMs;
     const { participants } = this.model;
-    if (this.selected_ === null || !participants.get(this.selected_)) {
-      this.selected_ = participants.carvers()[0]?.info.participant ?? null;
-    }
-    const { followed } = this.picture;
-    if (followed !== null && !participants.get(followed)) this.picture.follow(null);
     const started = marks.picture !== undefined || this.picture.problem !== '';
-    this.panel_.update(this.selected_, followed, nowMs, started);
+    this.panel_.update(nowMs, started);
     this.bar_.update(this.model, nowMs);
     this.poster_.update(this.picture, this.model.state, nowMs);
     this.toolbar_.update({
@@ -372,18 +369,6 @@ export class SessionPage {
         { label: t('Try again'), href: location.search },
       ]),
     );
-  }
-
-  private personPressed_(id: number): void {
-    this.selected_ = id;
-    this.picture.follow(this.picture.followed === id ? null : id);
-  }
-
-  private followNext_(): void {
-    const ids = this.model.participants.carvers().map((p) => p.info.participant);
-    const next = ids[ids.indexOf(this.picture.followed ?? -1) + 1] ?? null;
-    if (next !== null) this.selected_ = next;
-    this.picture.follow(next);
   }
 
   private toggleParallel_(): void {

@@ -53,7 +53,7 @@ export class Picture {
   };
   private preset_: StockMaterialPreset | null = null;
   private navigation_: Navigation | null = null;
-  private followed_: number | null = null;
+  private readonly followed_ = signal<number | null>(null);
   private arrowsVisible_ = true;
 
   /** @param fullQuality draw every frame at full quality and get exact tiles, regardless of speed */
@@ -165,12 +165,13 @@ export class Picture {
     if (this.viewer) this.viewer.rig.navigation = navigation;
   }
 
+  /** The participant whose tool the camera follows, as a signal's value. */
   get followed(): number | null {
-    return this.followed_;
+    return this.followed_.value;
   }
 
   follow(participant: number | null): void {
-    this.followed_ = participant;
+    this.followed_.value = participant;
     this.viewer?.follow(participant);
   }
 
@@ -237,7 +238,7 @@ export class Picture {
       if (this.preset_) viewer.setMaterial(this.preset_);
       if (this.navigation_) viewer.rig.navigation = this.navigation_;
       viewer.arrowsVisible = this.arrowsVisible_;
-      viewer.follow(this.followed_);
+      viewer.follow(this.followed_.value);
       if (this.model.welcome) viewer.welcome(this.model.welcome);
       this.viewer_.value = viewer;
     } catch (problem) {
