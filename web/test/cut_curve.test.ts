@@ -74,7 +74,7 @@ describe('the plot of the selected program', () => {
 
   async function update(motions: number, afterMs: number): Promise<void> {
     await vi.advanceTimersByTimeAsync(afterMs);
-    control.update(program(motions), performance.now());
+    control.update(program(motions));
     await vi.advanceTimersByTimeAsync(0);
   }
 

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-import { readFileSync } from 'node:fs';
+// @vitest-environment happy-dom
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import golden from '../../tests/wire/golden/programs.json';
 import { SessionModel } from '../src/model/session';
 import { ProgramsPanel } from '../src/ui/programs/programs_panel';
 import { parseControl } from '../src/wire/control';
-import { FakeElement, stubPage } from './support/fake_dom';
 
 type Json = Record<string, unknown>;
 
-const GOLDEN = JSON.parse(
-  readFileSync(new URL('../../tests/wire/golden/programs.json', import.meta.url), 'utf8'),
-) as { programs: [Json, ...Json[]] };
+const PROGRAM: Json = golden.programs[0]!;
 
 /** The programs of a server that answers over HTTP and pushes to the model. */
 class FakePrograms {
@@ -56,7 +54,7 @@ function answer(status: number, body: unknown): Promise<unknown> {
 
 function program(id: number, more: Json = {}): Json {
   const plain = { name: `${id}.ngc`, alarm_count: 0, line: 1, motions_done: 10, motions: 100 };
-  return { ...GOLDEN.programs[0], ...plain, id, state: 'running', ...more };
+  return { ...PROGRAM, ...plain, id, state: 'running', ...more };
 }
 
 function alarm(amount: number, toLine: number): Json {
@@ -68,15 +66,33 @@ const wait = (ms: number): Promise<unknown> => vi.advanceTimersByTimeAsync(ms);
 
 describe('the panel of programs', () => {
   let server: FakePrograms;
-  let page: FakeElement;
-  const rows = (): FakeElement[] => page.all('program-row-button');
-  const text = (): string => page.all('program-text')[0]!.textContent;
-  const alarms = (): FakeElement[] =>
-    page.all('program-alarms')[0]!.children.map((row) => row.children[0]!);
+  const all = <E extends HTMLElement>(name: string): E[] => [
+    ...document.querySelectorAll<E>(`.${name}`),
+  ];
+  const rows = (): HTMLElement[] => all('program-row-button');
+  const text = (): string => all('program-text')[0]!.textContent;
+  const alarms = (): HTMLElement[] => [
+    ...document.querySelectorAll<HTMLElement>('.program-alarms button'),
+  ];
+  const menu = (label: string): HTMLSelectElement =>
+    document.querySelector(`select[aria-label="${label}"]`)!;
+
+  function choose(list: HTMLSelectElement, value: string): void {
+    list.value = value;
+    list.dispatchEvent(new Event('change'));
+  }
+
+  async function send(name: string, content: string): Promise<void> {
+    const input = all<HTMLInputElement>('program-file')[0]!;
+    const files = [{ name, text: () => Promise.resolve(content) }];
+    Object.defineProperty(input, 'files', { value: files, configurable: true });
+    input.dispatchEvent(new Event('change'));
+    await wait(500);
+  }
 
   beforeEach(() => {
     vi.useFakeTimers();
-    page = stubPage();
+    document.body.replaceChildren();
     server = new FakePrograms();
     vi.stubGlobal('fetch', server.fetch);
   });
@@ -89,21 +105,17 @@ describe('the panel of programs', () => {
   async function open(...programs: Json[]): Promise<void> {
     server.programs = programs;
     server.push();
-    const opener = new FakeElement() as unknown as HTMLElement;
-    new ProgramsPanel(server.model, 'demo', opener).toggle();
+    new ProgramsPanel(server.model, 'demo', document.createElement('button')).toggle();
     await wait(1000);
   }
 
   it('shows a rejected file until the user selects a program', async () => {
     await open(program(3));
     expect(text()).toContain('source of 3');
-    const choose = page.all('program-file')[0]!;
-    choose.files = [{ name: 'new.ngc', text: () => Promise.resolve('G1 X1\nG99 X2') }];
-    choose.dispatch('change');
-    await wait(500);
+    await send('new.ngc', 'G1 X1\nG99 X2');
     for (let n = 0; n < 3; n += 1) {
       expect(text()).toContain('G99 X2');
-      expect(page.all('marked')).toHaveLength(1);
+      expect(all('marked')).toHaveLength(1);
       expect(rows().map((row) => row.getAttribute('aria-pressed'))).toEqual(['false']);
       server.programs = [program(3, { motions_done: 20 + n })];
       server.push();
@@ -117,15 +129,9 @@ describe('the panel of programs', () => {
 
   it('sends the control that is chosen, and says as what a program was read', async () => {
     await open(program(3, { read_as: 'Haas: line 3 has G154' }));
-    expect(page.all('program-figures')[0]!.textContent).toContain('Read as Haas: line 3 has G154.');
-    const control = page
-      .all('program-speed')
-      .find((select) => select.getAttribute('aria-label') === 'CNC control of the program');
-    control!.value = 'haas';
-    const choose = page.all('program-file')[0]!;
-    choose.files = [{ name: 'new.nc', text: () => Promise.resolve('G1') }];
-    choose.dispatch('change');
-    await wait(500);
+    expect(all('program-figures')[0]!.textContent).toContain('Read as Haas: line 3 has G154.');
+    choose(menu('CNC control of the program'), 'haas');
+    await send('new.nc', 'G1');
     expect(server.asked.filter((asked) => asked.startsWith('POST'))).toEqual([
       expect.stringContaining('&dialect=haas&queue=1'),
     ]);
@@ -134,27 +140,20 @@ describe('the panel of programs', () => {
   it('watches for gouges into the first part, unless the user wants none', async () => {
     server.targets = [{ name: 'a part.stl' }, { name: 'b.stl' }];
     await open(program(3));
-    const target = page
-      .all('program-speed')
-      .find((select) => select.getAttribute('aria-label') === 'Part the program makes')!;
-    const send = async (): Promise<string | undefined> => {
+    const query = async (): Promise<string | undefined> => {
       server.asked.length = 0;
-      const choose = page.all('program-file')[0]!;
-      choose.files = [{ name: 'new.nc', text: () => Promise.resolve('G1') }];
-      choose.dispatch('change');
-      await wait(500);
+      await send('new.nc', 'G1');
       return server.asked.find((asked) => asked.startsWith('POST'));
     };
-    expect(await send()).toContain('&target=a%20part.stl&target_tolerance_mm=0.05');
-    target.value = '';
-    target.dispatch('change');
-    expect(await send()).not.toContain('target');
+    expect(await query()).toContain('&target=a%20part.stl&target_tolerance_mm=0.05');
+    choose(menu('Part the program makes'), '');
+    expect(await query()).not.toContain('target');
   });
 
   it('names the part, and leads to the deepest place of a gouge', async () => {
     server.alarms = [{ ...alarm(0.3, 14), kind: 'gouge', unit: 'mm', at_mm: [7, 8, 9] }];
     await open(program(3, { alarm_count: 1, target: 'part.stl', target_tolerance_mm: 0.05 }));
-    expect(page.all('program-figures')[0]!.textContent).toContain(
+    expect(all('program-figures')[0]!.textContent).toContain(
       'Watching for gouges into part.stl deeper than 0.05 mm.',
     );
     const [button] = alarms();
@@ -196,21 +195,22 @@ describe('the panel of programs', () => {
     server.programs.push(program(4, { alarm_count: 1 })); // its details are not known yet
     server.push();
     await wait(200);
+    server.alarms = [alarm(7, 50)];
     rows()[1]!.click();
-    expect(alarms()).toHaveLength(0);
+    await wait(500);
+    expect(alarms().map(({ textContent }) => textContent)).toEqual([
+      expect.stringContaining('7 mm³: lines 14–50,'),
+    ]);
   });
 
   it('keeps the rows while their texts change', async () => {
     await open(program(3), program(4));
     const [first, second] = rows();
-    const list = page.all('program-list')[0]!;
-    const changes = list.changes;
     server.programs = [program(3, { state: 'paused', line: 77 }), program(4, { alarm_count: 2 })];
     server.push();
     await wait(250);
     expect(rows()[0]).toBe(first);
     expect(rows()[1]).toBe(second);
-    expect(list.changes).toBe(changes);
     expect(first!.textContent).toBe('3.ngcpaused at line 77');
     expect(first!.getAttribute('data-state')).toBe('paused');
     expect(second!.textContent).toContain('2 alarms');
@@ -223,5 +223,37 @@ describe('the panel of programs', () => {
     server.model.programs.clear();
     await wait(250);
     expect(rows()).toEqual([]);
+  });
+
+  it('keeps the speed that is being chosen while the server pushes another one', async () => {
+    await open(program(3, { pace: 'feed', speed: 1 }));
+    const speed = menu('Speed');
+    speed.dispatchEvent(new Event('focus'));
+    choose(speed, '2');
+    server.programs = [program(3, { pace: 'feed', speed: 1, motions_done: 11 })];
+    server.push();
+    await wait(0);
+    expect(speed.value).toBe('2');
+    expect(server.asked).toContain('PATCH /3?speed=2');
+    server.programs = [program(3, { pace: 'feed', speed: 3 })];
+    server.push();
+    speed.dispatchEvent(new Event('blur'));
+    await wait(0);
+    expect(speed.value).toBe('3');
+    expect(speed.selectedOptions[0]!.textContent).toBe('× 3');
+  });
+
+  it('requests nothing while it is closed', async () => {
+    server.alarms = [alarm(1, 14)];
+    await open(program(3, { alarm_count: 1 }));
+    document.querySelector<HTMLElement>('.programs header button')!.click();
+    server.asked.length = 0;
+    for (let n = 1; n <= 5; n += 1) {
+      server.programs = [program(3, { alarm_count: 1, motions_done: 10 + n })];
+      server.push();
+      await wait(1000);
+    }
+    expect(server.asked).toEqual([]);
+    expect(all('programs')[0]!.hidden).toBe(true);
   });
 });

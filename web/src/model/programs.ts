@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The NC programs of the session: what the server pushes, and what it answers over HTTP.
+// The NC programs of the session, as the server pushes them and answers requests.
 
+import { signal } from '@preact/signals';
 import type { ProgramInfo } from '../wire/types';
 
 const NC = 'nc ngc cnc tap gcode txt eia iso din min gc g mpf spf h hnc fnc nct ncc ptp pim anc';
@@ -20,50 +21,63 @@ export function wallSeconds(program: ProgramInfo): number {
   return program.remaining_s / (program.speed ?? 1);
 }
 
+/** The readers are tracked in components and effects: the list is the value of a signal. */
 export class Programs {
-  private readonly known_ = new Map<number, ProgramInfo>();
-  /** Grows with each change. */
-  changes = 0;
-  /** A program has ended and was not among those that were pushed: ask for the list. */
-  incomplete = false;
+  private readonly known_ = signal<ReadonlyMap<number, ProgramInfo>>(new Map());
+  private readonly incomplete_ = signal(false);
+
+  /** A program has ended and was not among those that were pushed: request the list. */
+  get incomplete(): boolean {
+    return this.incomplete_.value;
+  }
+
+  /** The list is being requested. */
+  requested(): void {
+    this.incomplete_.value = false;
+  }
 
   clear(): void {
-    this.known_.clear();
-    this.changes += 1;
-    this.incomplete = false;
+    this.known_.value = new Map();
+    this.incomplete_.value = false;
   }
 
-  /** A message of the server: all programs that have not ended, and some that have. */
+  /** Applies a message of the server: all programs that have not ended, and some that have. */
   apply(pushed: readonly ProgramInfo[]): void {
     const listed = new Set(pushed.map((program) => program.id));
-    for (const program of this.known_.values()) {
-      if (!isOpen(program) || listed.has(program.id)) continue;
-      this.known_.delete(program.id);
-      this.incomplete = true;
-    }
-    this.add(pushed);
+    const known = [...this.known_.peek().values()];
+    const missing = known.filter((program) => isOpen(program) && !listed.has(program.id));
+    this.put_(
+      known.filter((program) => !missing.includes(program)),
+      pushed,
+    );
+    if (missing.length > 0) this.incomplete_.value = true;
   }
 
-  /** What a request was answered with; what is known of a program that has ended stays. */
+  /** Adds the programs of an answer, which may be older than a push: ended programs stay ended. */
   add(programs: readonly ProgramInfo[]): void {
-    for (const program of programs) {
-      const known = this.known_.get(program.id);
-      if (known && !isOpen(known) && isOpen(program)) continue; // an answer that came late
-      this.known_.set(program.id, program);
-    }
-    this.changes += 1;
+    this.put_([...this.known_.peek().values()], programs);
   }
 
   get(id: number): ProgramInfo | undefined {
-    return this.known_.get(id);
+    return this.known_.value.get(id);
   }
 
-  /** Those that have not ended in their order, then the others, newest first. */
+  /** Returns the programs that have not ended in their order, then the others, newest first. */
   all(): ProgramInfo[] {
-    const programs = [...this.known_.values()].sort((a, b) => a.id - b.id);
+    const programs = [...this.known_.value.values()].sort((a, b) => a.id - b.id);
     return [
       ...programs.filter(isOpen),
       ...programs.filter((program) => !isOpen(program)).reverse(),
     ];
+  }
+
+  private put_(kept: readonly ProgramInfo[], newer: readonly ProgramInfo[]): void {
+    const known = new Map(kept.map((program) => [program.id, program]));
+    for (const program of newer) {
+      const before = known.get(program.id);
+      if (before && !isOpen(before) && isOpen(program)) continue; // an answer that came late
+      known.set(program.id, program);
+    }
+    this.known_.value = known;
   }
 }

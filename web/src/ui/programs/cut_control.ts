@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Force, removal and feed along the selected program: asked for when it has moved, and plotted by a chunk
-// that is loaded when there is something to plot.
+// Force, removal and feed along the selected program. They are requested when it has moved, and
+// plotted by a chunk that is loaded when there is something to plot.
 
 import type { ForceCurve } from '../../model/force_curve';
 import { cutCurveOf } from '../../model/cut_curve';
@@ -11,7 +11,7 @@ import { h } from '../dom';
 import type { CutPlot } from './cut_plot';
 
 const AGAIN_MS = 2000;
-/** The server carves the journal again for the forces: at most this share of the time. */
+/** Greatest share of the time that the server carves the journal again for the forces. */
 const SHARE = 0.05;
 
 export class CutControl {
@@ -19,10 +19,11 @@ export class CutControl {
   private plot_: Promise<CutPlot> | null = null;
   private shown_: CutPlot | null = null;
   private program_: number | null = null;
-  /** Motions of the program that are in the curve, or were asked for. */
+  /** Motions of the program that are in the curve, or were requested. */
   private motions_ = 0;
-  private busy_ = false;
+  private isBusy_ = false; // or waits until it may request
   private nextMs_ = -Infinity;
+  private latest_: ProgramInfo | null = null;
 
   /**
    * @param ask for the curve of what a participant has carved
@@ -42,33 +43,49 @@ export class CutControl {
     this.program_ = program;
     this.motions_ = 0;
     this.nextMs_ = -Infinity;
+    this.latest_ = null;
     this.element.hidden = true;
     this.plot_ = null;
     this.shown_ = null;
   }
 
-  /** Takes how far the program has come; call often while the panel is open. */
-  update(program: ProgramInfo, nowMs: number): void {
+  /** Shows how far the program has come. An effect calls it, so that it reads the feeds. */
+  update(program: ProgramInfo): void {
     if (program.id !== this.program_) return;
-    this.shown_?.setNow(isOpen(program) && program.motions_done > 0 ? program.elapsed_s : null);
-    this.shown_?.setFeeds(this.feeds()); // the path may come later than the forces
-    const isNewer = program.motions_done !== this.motions_;
-    if (isNewer && !this.busy_ && nowMs >= this.nextMs_) void this.refresh_(program);
+    this.latest_ = program;
+    this.showNow_();
+    const feeds = this.feeds(); // the path may come later than the forces
+    this.shown_?.setFeeds(feeds);
+    this.refreshIfNewer_();
   }
 
-  private async refresh_(program: ProgramInfo): Promise<void> {
-    this.busy_ = true;
-    this.motions_ = program.motions_done;
+  private refreshIfNewer_(): void {
+    const { latest_: latest } = this;
+    if (!latest || latest.motions_done === this.motions_ || this.isBusy_) return;
+    this.isBusy_ = true;
+    const delayMs = Math.max(0, this.nextMs_ - performance.now());
+    if (delayMs === 0) void this.refresh_();
+    else setTimeout(() => void this.refresh_(), delayMs);
+  }
+
+  private async refresh_(): Promise<void> {
+    const { latest_: program } = this;
     const beganMs = performance.now();
     try {
-      const curve = await this.ask(program.participant);
-      if (curve && curve.first.length > 0) await this.show_(program, curve);
+      if (program) await this.load_(program);
     } catch (problem) {
       console.warn('No forces along the program:', problem);
     }
     const endMs = performance.now();
     this.nextMs_ = endMs + Math.max(AGAIN_MS, (endMs - beganMs) / SHARE);
-    this.busy_ = false;
+    this.isBusy_ = false;
+    this.refreshIfNewer_();
+  }
+
+  private async load_(program: ProgramInfo): Promise<void> {
+    this.motions_ = program.motions_done;
+    const curve = await this.ask(program.participant);
+    if (curve && curve.first.length > 0) await this.show_(program, curve);
   }
 
   private async show_(program: ProgramInfo, curve: ForceCurve): Promise<void> {
@@ -81,5 +98,13 @@ export class CutControl {
     this.element.hidden = false;
     plot.show(cutCurveOf(curve), program.programmed_s);
     plot.setFeeds(this.feeds());
+    this.showNow_();
+  }
+
+  private showNow_(): void {
+    const { latest_: latest } = this;
+    if (!latest) return;
+    const isUnderWay = isOpen(latest) && latest.motions_done > 0;
+    this.shown_?.setNow(isUnderWay ? latest.elapsed_s : null);
   }
 }

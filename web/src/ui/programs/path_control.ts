@@ -2,6 +2,7 @@
 // The path of the selected program in the picture: shown or not, how far it has come, and the place of
 // a line in both directions.
 
+import { batch, computed, signal } from '@preact/signals';
 import { t } from '../../strings';
 import { Matrix4, Vector3 } from 'three';
 import {
@@ -49,8 +50,8 @@ export class PathControl {
   );
   private view_: PathView | null = null;
   private program_: number | null = null;
-  private path_: ProgramPath | null = null;
-  private feeds_: FeedCurve | null = null;
+  private readonly path_ = signal<ProgramPath | null>(null);
+  private readonly feeds_ = computed(() => this.path_.value && feedCurveOf(this.path_.value));
   private isOpen_ = false;
   private pressedAt_: { x: number; y: number } | null = null;
   /** To be marked when the path has come. */
@@ -82,14 +83,13 @@ export class PathControl {
   select(program: number | null): void {
     if (program === this.program_) return;
     this.program_ = program;
-    this.path_ = this.feeds_ = this.wanted_ = null;
+    this.path_.value = this.wanted_ = null;
     this.draw_();
     if (program === null) return;
     this.ask(program).then(
       (path) => {
         if (this.program_ !== program) return;
-        this.path_ = path;
-        this.draw_();
+        this.show(path);
         if (this.wanted_) this.markLine(this.wanted_.line, this.wanted_.place);
       },
       (problem: unknown) => {
@@ -106,22 +106,26 @@ export class PathControl {
 
   /** So many of the program's motions are done, the last one of a line. */
   reach(done: number, motions: number, line: number): void {
-    if (!this.path_ || !this.view_) return;
+    const path = this.path_.value;
+    if (!path || !this.view_) return;
     const share = motions > 0 ? done / motions : 0;
-    this.view_.setReached(done === 0 ? -1 : reached(this.path_, line, share));
+    this.view_.setReached(done === 0 ? -1 : reached(path, line, share));
   }
 
   /** Shows a path that was not asked for; null: none. */
   show(path: ProgramPath | null): void {
-    this.path_ = path;
-    this.draw_();
+    batch(() => {
+      this.path_.value = path;
+      this.draw_(); // before an effect says how much of it is done
+    });
   }
 
   /** Marks the place of a line, or a place that belongs to it. */
   markLine(line: number, place?: Vec3): void {
-    this.wanted_ = this.path_ ? null : { line, place };
-    const points = this.path_ && pointsOfLine(this.path_, line);
-    if (this.path_ && points) this.view_?.mark(points, place ?? pointOf(this.path_, points[1]));
+    const path = this.path_.peek();
+    this.wanted_ = path ? null : { line, place };
+    const points = path && pointsOfLine(path, line);
+    if (path && points) this.view_?.mark(points, place ?? pointOf(path, points[1]));
   }
 
   /** Moves a place to the middle of the picture. */
@@ -131,33 +135,34 @@ export class PathControl {
 
   /** Marks where the tool is at a time of the program. Returns the line; null: there is no path. */
   markTime(timeS: number): number | null {
-    const place = this.path_ && placeAt(this.path_, timeS);
-    if (!this.path_ || !place) return null;
+    const path = this.path_.peek();
+    const place = path && placeAt(path, timeS);
+    if (!path || !place) return null;
     this.view_?.mark([place.point, place.point], place.tip);
-    return this.path_.lines[place.point]!;
+    return path.lines[place.point]!;
   }
 
-  /** The feed along the path; null: there is no path. */
+  /** The feed along the path, as a signal's value; null without a path. */
   get feeds(): FeedCurve | null {
-    if (this.path_) this.feeds_ ??= feedCurveOf(this.path_);
-    return this.feeds_;
+    return this.feeds_.value;
   }
 
   private get isShown_(): boolean {
-    return this.isOpen_ && this.shown_.checked && this.path_ !== null;
+    return this.isOpen_ && this.shown_.checked && this.path_.peek() !== null;
   }
 
   private draw_(): void {
     const { viewer } = this.host.picture;
     if (viewer) this.view_ ??= new PathView(viewer, this.host.overlay);
-    this.view_?.show(this.isShown_ ? this.path_ : null);
-    const error = this.path_?.errorMm ?? 0;
+    const path = this.path_.peek();
+    this.view_?.show(this.isShown_ ? path : null);
+    const error = path?.errorMm ?? 0;
     setText(this.note_, error > 0 ? t('accurate to {0}', lengthText(error, 'mm')) : '');
   }
 
   private press_(x: number, y: number): void {
     const { viewer } = this.host.picture;
-    const { path_: path } = this;
+    const path = this.path_.peek();
     if (!this.isShown_ || !viewer || !path) return;
     const { eye } = viewer.rig;
     const matrix = new Matrix4().multiplyMatrices(eye.projectionMatrix, eye.matrixWorldInverse);
