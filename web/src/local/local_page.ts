@@ -71,31 +71,7 @@ export class LocalPage {
 
   constructor(private readonly app: HTMLElement) {
     this.picture_ = new Picture(this.canvas_, this.overlay_, this.model, false);
-    this.panel_ = new SidePanel({
-      choose: () => this.input_.choose(),
-      remove: (what) => {
-        if (!this.hand_.mayGo()) return;
-        this.files_ = { ...this.files_, [what]: null };
-        if (what === 'program') this.files_.others = [];
-        this.begin_();
-      },
-      stop: () => this.stop_(),
-      seek: (motion) => this.seek_(motion),
-      play: (rate) => this.play_(rate),
-      takeHome: (format) => this.worker_.post({ type: 'model', format }),
-      save: () => this.hand_.save(),
-      linePressed: (line) => {
-        this.panel_.markLine(line);
-        this.path_?.markLine(line);
-      },
-      materialChosen: (preset) => this.picture_.setMaterial(preset),
-      capMouse: {
-        rig: () => this.rig_,
-        isBusy: () => this.hand_.hasTool,
-        say: (text) => this.panel_.showError(text, null),
-      },
-      layoutChanged: () => this.resize_(),
-    });
+    this.panel_ = this.makePanel_();
     this.start_ = startCard({
       choose: () => this.input_.choose(),
       example: () => this.take_([exampleProgram()]),
@@ -140,6 +116,34 @@ export class LocalPage {
     this.listen_(toggleInspect);
     this.begin_();
     this.resize_();
+  }
+
+  private makePanel_(): SidePanel {
+    return new SidePanel({
+      choose: () => this.input_.choose(),
+      remove: (what) => {
+        if (!this.hand_.mayGo()) return;
+        this.files_ = { ...this.files_, [what]: null };
+        if (what === 'program') this.files_.others = [];
+        this.begin_();
+      },
+      stop: () => this.stop_(),
+      seek: (motion) => this.seek_(motion),
+      play: (rate) => this.play_(rate),
+      takeHome: (format) => this.worker_.post({ type: 'model', format }),
+      save: () => this.hand_.save(),
+      linePressed: (line) => {
+        this.panel_.markLine(line);
+        this.path_?.markLine(line);
+      },
+      materialChosen: (preset) => this.picture_.setMaterial(preset),
+      capMouse: {
+        rig: () => this.rig_,
+        isBusy: () => this.hand_.hasTool,
+        say: (text) => this.panel_.showError(text, null),
+      },
+      layoutChanged: () => this.resize_(),
+    });
   }
 
   start(): void {

@@ -17,6 +17,7 @@ import { SessionModel } from '../model/session';
 import { nearestCut, soundOf } from '../model/sound';
 import type { SoundLevels } from '../model/sound';
 import type { CameraRig } from '../view/camera_rig';
+import type { Seek } from '../wire/types';
 import { mark, marks } from '../model/marks';
 import { ArrowScale } from '../ui/arrow_scale';
 import { copyText, h } from '../ui/dom';
@@ -98,36 +99,23 @@ export class SessionPage {
     });
     this.link_ = this.makeLink_(name);
     this.link_.start(); // first: the server answers while the page is built
-    const oneOpen = new OneOpen();
-    this.together_ = mountTogether({
+    const host = {
       model: this.model,
       session,
       name: () => this.link_.name,
       picture: this.picture,
       canvas: this.canvas_,
       overlay: this.overlay_,
-      oneOpen,
+      oneOpen: new OneOpen(),
+      layoutChanged: () => this.resize_(),
+      say: (text: string) => this.flash_.say(text),
+    };
+    this.together_ = mountTogether({
+      ...host,
       showCamera: (pose) => this.link_.showCamera(pose),
-      say: (text) => this.flash_.say(text),
     });
     this.people_ = new PersonChoice(this.model.participants, this.picture);
-    const { element: together } = this.together_;
-    this.panel_ = new Panel(this.model, session, this.colors_, this.people_, together, {
-      renamed: (name) => this.link_.rename(name),
-      viewer: () => this.picture.viewer,
-      materialChosen: (preset) => this.picture.setMaterial(preset),
-      navigationChosen: (navigation) => this.picture.setNavigation(navigation),
-      capMouse: {
-        rig: () => this.rig_,
-        isBusy: () => this.carve.isActive() || this.carve.vr() !== null,
-        say: (text) => this.flash_.say(text),
-      },
-      layoutChanged: () => this.resize_(),
-      toggled: (open) => {
-        this.toolbar_.element.classList.toggle('covered', open);
-        setTimeout(() => this.rig_?.fit(performance.now()), SHEET_MS);
-      },
-    });
+    this.panel_ = this.makePanel_();
     this.poster_ = new Poster(session);
     this.inviteDialog_ = inviteDialog(session);
     this.toolbar_ = this.makeToolbar_();
@@ -135,54 +123,16 @@ export class SessionPage {
       copyLink: () => copyText(pageAddress(), () => this.flash_.say(t('Link copied.'))),
       invite: () => this.inviteDialog_.showModal(),
     });
-    app.replaceChildren(
-      h(
-        'main',
-        { class: embedded ? 'viewer embedded' : 'viewer' },
-        this.canvas_,
-        this.poster_.element,
-        this.overlay_,
-        this.bar_.element,
-        this.toolbar_.element,
-        this.scale_.element,
-        this.panel_.element,
-        this.notice_.element,
-        this.help_,
-        this.inviteDialog_,
-      ),
-    );
-    const pathHost = { picture: this.picture, canvas: this.canvas_, overlay: this.overlay_ };
+    app.replaceChildren(this.main_(embedded));
     const { element: toolbar } = this.toolbar_;
-    const resized = (): void => this.resize_();
-    const showLine = mountPrograms(this.model, session, toolbar, pathHost, oneOpen, resized);
-    this.toggleTimeline_ = mountTimeline({
-      model: this.model,
-      session,
-      picture: this.picture,
-      toolbar,
-      seek: (seek) => this.past_.seek(seek),
-      layoutChanged: () => this.resize_(),
-    });
-    this.toggleInspect_ = mountInspect({
-      ...pathHost,
-      model: this.model,
-      session,
-      toolbar,
-      oneOpen,
-      layoutChanged: () => this.resize_(),
-      showLine,
-    });
+    const { oneOpen, layoutChanged } = host;
+    const showLine = mountPrograms(this.model, session, toolbar, host, oneOpen, layoutChanged);
+    const seek = (seek: Seek): void => this.past_.seek(seek);
+    this.toggleTimeline_ = mountTimeline({ ...host, toolbar, seek });
+    this.toggleInspect_ = mountInspect({ ...host, toolbar, showLine });
     this.carve = mountCarve({
-      model: this.model,
-      session,
-      name: () => this.link_.name,
-      picture: this.picture,
-      canvas: this.canvas_,
-      overlay: this.overlay_,
-      toolbar: this.toolbar_.element,
-      oneOpen,
-      layoutChanged: () => this.resize_(),
-      say: (text) => this.flash_.say(text),
+      ...host,
+      toolbar,
       begins: () => this.past_.leave(),
       frame: (nowMs) => this.frame_(nowMs),
     });
@@ -262,6 +212,43 @@ export class SessionPage {
           console.warn(reason);
         },
       },
+    );
+  }
+
+  private makePanel_(): Panel {
+    const { element: together } = this.together_;
+    return new Panel(this.model, this.session, this.colors_, this.people_, together, {
+      renamed: (name) => this.link_.rename(name),
+      viewer: () => this.picture.viewer,
+      materialChosen: (preset) => this.picture.setMaterial(preset),
+      navigationChosen: (navigation) => this.picture.setNavigation(navigation),
+      capMouse: {
+        rig: () => this.rig_,
+        isBusy: () => this.carve.isActive() || this.carve.vr() !== null,
+        say: (text) => this.flash_.say(text),
+      },
+      layoutChanged: () => this.resize_(),
+      toggled: (open) => {
+        this.toolbar_.element.classList.toggle('covered', open);
+        setTimeout(() => this.rig_?.fit(performance.now()), SHEET_MS);
+      },
+    });
+  }
+
+  private main_(embedded: boolean): HTMLElement {
+    return h(
+      'main',
+      { class: embedded ? 'viewer embedded' : 'viewer' },
+      this.canvas_,
+      this.poster_.element,
+      this.overlay_,
+      this.bar_.element,
+      this.toolbar_.element,
+      this.scale_.element,
+      this.panel_.element,
+      this.notice_.element,
+      this.help_,
+      this.inviteDialog_,
     );
   }
 
