@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the page uses of sql.js, whose package has no types.
+// Types of the parts of sql.js that the page uses: its package has none.
 
 declare module 'sql.js' {
   export type SqlValue = number | string | Uint8Array | null;

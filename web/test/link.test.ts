@@ -85,7 +85,7 @@ describe('view link', () => {
 
   const soon = { timeout: 10_000, interval: 5 };
 
-  /** A connection to which hello was said, and what has come of it. */
+  /** A greeted connection, with a record of its events. */
   async function greeted() {
     const url = `ws://127.0.0.1:${server.port}/v1/sessions/demo/view`;
     const socket = openSocket(url, VIEW_PROTOCOL);
@@ -180,7 +180,7 @@ describe('view link', () => {
       () => needed,
     );
     await vi.waitFor(() => expect(applied.length).toBeGreaterThan(0), soon);
-    link.sendLook({ eye_mm: [1, 2, 300], error_rad: 0.0005 }); // comes after what was sent before
+    link.sendLook({ eye_mm: [1, 2, 300], error_rad: 0.0005 }); // comes after the earlier frames
     await vi.waitFor(() => expect(server.lookMessages).toHaveLength(1), soon);
     expect(server.acks).toEqual([]);
     needsMore();

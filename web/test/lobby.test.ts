@@ -13,7 +13,7 @@ function session(id: string, activeMs: number, motions = 1, removedVolumeMm3 = 5
   return { id, name: id, motions, removedVolumeMm3, participants: 0, activeMs };
 }
 
-/** What the server answers by the end of a path; anything else fails with a reason. */
+/** The server's answers by the end of a path; any other request fails with a reason. */
 let answers: Record<string, unknown>;
 let asked: string[];
 

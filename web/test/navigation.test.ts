@@ -7,7 +7,7 @@ import { MouseButtons } from '../src/view/mouse_buttons';
 
 const NONE = { shiftKey: false, ctrlKey: false };
 
-/** Gives its listeners what is dispatched, and writes it down. */
+/** Passes dispatched events to its listeners, and records them. */
 class Canvas {
   readonly sent: string[] = [];
   private readonly acts_: Record<string, (event: PointerEvent) => void> = {};

@@ -33,7 +33,7 @@ const PHONE: Viewport = {
 };
 const last: Header = { type: 3, flags: MESH_SNAPSHOT_LAST, epoch: 1, sequence: 1n, time_us: 0n };
 
-/** Records what the page does with a view. */
+/** Records the page's calls of a view. */
 class FakeViewer {
   static made: FakeViewer[] = [];
   readonly calls: string[] = [];
@@ -74,7 +74,7 @@ class FakeViewer {
 }
 
 function makePicture(model: SessionModel, make: () => FakeViewer = () => new FakeViewer()) {
-  // Called with new: what it returns is the view.
+  // Called with new: its result is the view.
   const Viewer = function () {
     return make();
   };

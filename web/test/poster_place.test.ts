@@ -53,7 +53,7 @@ function cameraAt(eye: THREE.Vector3, target: Vec3, aspect: number): THREE.Persp
   return camera;
 }
 
-/** The page's own picture: the camera of the default view, shifted by what panels cover. */
+/** The page's own picture: the camera of the default view, shifted by the panels. */
 function inPage(welcome: Welcome, { width, height, insets }: Viewport): Box {
   const { look } = firstLook(welcome, { width, height, insets }, 0);
   const target = boxCenter(viewBounds(welcome));

@@ -2,7 +2,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { copyUpright, Readback } from '../src/view/readback';
 
-/** WebGL of a 1 × 1 canvas: what it is asked for is done when the test says so. */
+/** WebGL of a 1 × 1 canvas: its work is done when the test says so. */
 class SlowGl {
   readonly UNSIGNALED = 0;
   readonly canvas = new EventTarget();

@@ -4,7 +4,7 @@
 import { execFile } from 'node:child_process';
 import { describe, expect, it } from 'vitest';
 
-/** Runs a script of package.json. Returns its exit code and, if it failed, what it printed. */
+/** Runs a script of package.json. Returns its exit code and, if it failed, its output. */
 function runScript(name: string): Promise<{ code: number; output: string }> {
   return new Promise((resolve) => {
     const cwd = new URL('..', import.meta.url);

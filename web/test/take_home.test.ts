@@ -29,7 +29,7 @@ test('a size follows what the session has, and the choice', () => {
   const stl = format('STL');
   expect(sizeOf(stl, exact!, amounts)! / 120e6).toBeCloseTo(1, 2);
   expect(sizeOf(stl, million!, amounts)! / 50e6).toBeCloseTo(1, 2);
-  expect(sizeOf(stl, part!, amounts)).toBe(2 ** 26); // what a server takes back
+  expect(sizeOf(stl, part!, amounts)).toBe(2 ** 26); // the largest part that a server accepts
   expect(sizeOf(stl, part!, { motions: 0, columns: 1000 })).toBeLessThan(130_000);
   // A small block has fewer triangles than are allowed.
   expect(sizeOf(stl, million!, { motions: 0, columns: 1000 })).toBeLessThan(130_000);

@@ -35,7 +35,7 @@ function meshesOf(view: TileView): THREE.Mesh[] {
 const textOf = (place: number[]): string =>
   place.map((value) => Number(value.toFixed(3)) + 0).join(' ');
 
-/** What is drawn: the corners of all triangles that have an area, by the meshes of the scene, mm. */
+/** The drawn corners: those of all triangles that have an area, by the meshes of the scene, mm. */
 function drawn(view: TileView): string[] {
   const found: string[] = [];
   for (const { geometry } of meshesOf(view)) {

@@ -102,7 +102,9 @@ export class Aim {
     readonly settings: AimSettings,
   ) {}
 
-  /** Where the tool would cut; null: the pointer is beside the block, or the tool cannot get there. */
+  /**
+   * Where the tool would cut; null if the pointer misses the block, or the tool cannot get there.
+   */
   hover(surface: Probed, ray: Sight): Pose | null {
     const hit = surface.hit(ray);
     return hit && this.onSurface_(surface, hit, ray.pen);

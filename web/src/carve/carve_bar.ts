@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bar below the picture while one carves: the rack of tools, how the tool follows, its depth,
-// undo, and what is to be said.
+// undo, and messages.
 
 import { t } from '../strings';
 import './carve.css';
@@ -50,7 +50,7 @@ export function isTouched(): boolean {
   return matchMedia('(pointer: coarse)').matches;
 }
 
-/** How to carve, with what the user points with. */
+/** How to carve with the user's pointing device. */
 export function helpText(): string {
   return isTouched()
     ? t(

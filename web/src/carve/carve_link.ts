@@ -32,7 +32,9 @@ export interface CarveLinkEvents {
   changed(undone: boolean): void;
 }
 
-/** What brings the path of the hand to the block: a connection, or the page that has the block. */
+/**
+ * Delivers the path of the hand to the block: by a connection, or in the page that has the block.
+ */
 export type AgentLink = Pick<
   CarveLink,
   | 'status'
@@ -54,12 +56,12 @@ export interface CarveLinkOptions {
   /** Who joins: name and color of the watcher, and the tool. */
   who(): Pick<AgentHello, 'name' | 'color' | 'tool'>;
   nowMs(): number;
-  /** The page's copy of the block, which takes what passes this link. */
+  /** The page's copy of the block, which sees all messages of this link. */
   copy: Pick<BlockCopy, 'works' | 'open' | 'cut' | 'take' | 'change' | 'settle'>;
   backoff?: Backoff;
 }
 
-const PING_EVERY_MS = 1000; // pongs state what is durable, also while the tool rests
+const PING_EVERY_MS = 1000; // pongs state the durable sequence, also while the tool rests
 const UNANSWERED_MAX = 512; // half a second at full rate: a slow server is not flooded
 const AGAIN_EVERY_MS = 20;
 
@@ -342,7 +344,7 @@ export class CarveLink {
       this.events.rejected(code, reason);
       return;
     }
-    // Who was removed, or has no right any more, does not come back by itself.
+    // Do not reconnect after removal or loss of rights.
     const isFinal = code === 'removed' || code === 'not_allowed' || code === 'unknown_session';
     if (!isFinal) {
       this.lost_(reason);

@@ -96,7 +96,7 @@ export class CarveMode {
   enter(): void {
     const { welcome } = this.host.model;
     if (this.isActive || !welcome) return;
-    this.host.oneOpen.opens(this.close_); // a section would hide what is carved
+    this.host.oneOpen.opens(this.close_); // a section would hide the cut
     this.main_.classList.add('carving');
     this.main_.append(this.bar_.element);
     this.host.overlay.append(this.spring_.element, this.gauge_.element);

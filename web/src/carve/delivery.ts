@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brings the path of the hand to the server, in order, as fast as the server takes it. Who leaves
-// goes when all that was drawn is sent.
+// Brings the path of the hand to the server, in order, as fast as the server takes it. Leaving
+// takes effect when the whole path is sent.
 
 import type { AgentLink } from './carve_link';
 import type { Sampler } from './sampler';
@@ -39,7 +39,7 @@ export class Delivery {
     return this.path.waiting === 0 && this.link.waiting === 0;
   }
 
-  /** Sends what is due. */
+  /** Sends the part of the path that is due. */
   step(): void {
     const { link, path } = this;
     if (link.takes) {

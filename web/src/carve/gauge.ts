@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The force on one's own tool, beside the pointer: a ring that fills, and the figure in it.
+// The force on one's own tool, next to the pointer: a ring that fills, and the figure in it.
 
 import { h, setText } from '../ui/dom';
 import { figure } from '../ui/format';

@@ -25,6 +25,6 @@ export interface CarveHost {
   say: (text: string) => void;
   /** Carving begins: the picture is to show the present. */
   begins: () => void;
-  /** Does what the page does once a frame. */
+  /** Does the page's work of one frame. */
   frame: (nowMs: number) => void;
 }

@@ -19,7 +19,7 @@ export interface CarveSwitch {
   update: () => void;
   /** The hash of the page's copy of the block; null: it has none. */
   copyHash: () => Promise<string | null> | null;
-  /** What a headset shows; null: there is none. */
+  /** The state of the headset; null without one. */
   vr: () => VrState | null;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mouse, pen and fingers over the picture while one carves. What carves is kept from the camera's
-// controls; other buttons, and all while Space is held, are theirs.
+// Mouse, pen and fingers over the picture while one carves. Events that carve do not reach the
+// camera's controls. The controls get the other buttons, and all events while Space is held.
 
 import type { Place } from './place';
 import { Straight } from './straight';

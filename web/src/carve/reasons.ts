@@ -16,7 +16,7 @@ export function whyNotCarve({ may, role }: Pick<Welcome, 'may' | 'role'>): strin
 }
 
 /**
- * Why no stroke may begin now. Without the watcher's connection nobody would see what is cut.
+ * Why no stroke may begin now. Without the watcher's connection the cut would not be seen.
  * `isJoined`: as an agent.
  */
 export function whyNotNow(

@@ -41,8 +41,8 @@ export class SampleLog {
   }
 
   /**
-   * What a new connection sends first: the newest sample that the server has, which places the tool,
-   * and those after it.
+   * The samples that a new connection sends first: the newest one that the server has, which places
+   * the tool, and those after it.
    */
   toResend(serverHas: bigint): Sample[] {
     this.answered(serverHas);

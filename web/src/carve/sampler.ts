@@ -38,7 +38,7 @@ export class Sampler {
     this.ratePerUs_ = (OF_LIMIT * samplesPerS) / 1e6;
   }
 
-  /** The tool of the poses from now on. What waits keeps the tool it was pushed with. */
+  /** The tool of the poses from now on. Waiting poses keep the tool that they were pushed with. */
   set tool(id: number) {
     this.tool_ = id;
   }
@@ -63,7 +63,7 @@ export class Sampler {
     return this.queue_.redo();
   }
 
-  /** Drops what waits, and the place of the tool: the next pose is reached without a motion. */
+  /** Drops the waiting poses and the tool's position: the next pose is reached without a motion. */
   forget(): void {
     this.queue_.clear();
     this.at_ = null;
@@ -74,7 +74,7 @@ export class Sampler {
     return this.queue_.size;
   }
 
-  /** The requests that follow what was taken. They are to be sent before more is taken. */
+  /** The requests after the samples that were taken. Send them before taking more. */
   takeRequests(): PathRequest[] {
     return this.queue_.takeRequests();
   }

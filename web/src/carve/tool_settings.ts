@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the user has chosen: the tool, how it follows the pointer, and its depth. Shown in the bar.
+// The user's choices, shown in the bar: the tool, how it follows the pointer, and its depth.
 
 import { toolProfile } from '../model/tool_profile';
 import type { ToolInfo, Welcome } from '../wire/types';

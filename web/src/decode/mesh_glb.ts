@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the GLB of a mesh frame: one node per tile (server/wire/README.md), and of glTF what the
-// server writes, nothing else.
+// Reads the GLB of a mesh frame: one node per tile (server/wire/README.md), and only the parts of
+// glTF that the server writes.
 
 type Numbers =
   | Int8Array<ArrayBuffer>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page's copy of the block, in a worker: what the page carves is cut there at once, by the
+// The page's copy of the block, in a worker: the page's cuts appear there at once, made by the
 // server's own kernel.
 
 import type { TileTriangles } from './kernel';
@@ -23,7 +23,7 @@ export interface WorkerPort {
   onmessage: ((event: { data: FromWorker }) => void) | null;
   /** Its code did not load, or ended in an error. */
   onerror: ((event: { message?: string }) => void) | null;
-  /** What it sent cannot be read. */
+  /** Its message cannot be read. */
   onmessageerror: (() => void) | null;
   postMessage(message: ToWorker): void;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The worker's side of the page's copy: takes frames, and meshes what the page has cut. Meshes are
-// made when no message waits, so that many motions become one.
+// The worker's side of the page's copy: takes frames, and meshes the tiles that the page has cut.
+// Meshes are made when no message waits, so that many motions become one.
 
 import { tileAt, tileKey } from '../model/tiles';
 import { FrameType } from '../wire/types';
@@ -13,7 +13,7 @@ export class CopyKeeper {
   private kernel_: Kernel | null = null;
   private isOpen_ = false;
   private newest_ = 0n;
-  private readonly shown_ = new Set<number>(); // what the page displays of this copy
+  private readonly shown_ = new Set<number>(); // the tiles of this copy that the page displays
   private readonly dirty_ = new Set<number>();
   private isDue_ = false;
 
@@ -83,7 +83,7 @@ export class CopyKeeper {
     this.meshSoon_();
   }
 
-  /** What others have cut is displayed with the server's mesh, unless the page's is there. */
+  /** Other participants' cuts are displayed with the server's mesh, unless the page has one. */
   private collect_(kernel: Kernel): void {
     for (const { x, y, byPage } of kernel.changed()) {
       const key = tileKey(x, y);

@@ -39,7 +39,7 @@ interface Exports {
 
 const NO_SUCH_FILE = 8; // WASI's EBADF: the module has no files
 
-/** What the C library asks of the system. Only a failed assertion would write. */
+/** The system calls of the C library. Only a failed assertion would write. */
 function imports(module: WebAssembly.Module): WebAssembly.Imports {
   const all: Record<string, Record<string, () => number>> = {};
   for (const { module: from, name } of WebAssembly.Module.imports(module))

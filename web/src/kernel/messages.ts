@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the page and the worker with its copy of the block say to each other.
+// The messages between the page and the worker with its copy of the block.
 
 import type { TileTriangles } from './kernel';
 

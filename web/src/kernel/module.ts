@@ -2,7 +2,7 @@
 // The modules of web/wasm. The page compiles them, because the policy of a worker's file forbids to
 // fetch them (server/http).
 
-/** Compiles a module beside the page; null where it is not there, because run.sh still builds it. */
+/** Compiles a module from the page's folder; null while run.sh still builds it. */
 export async function moduleBeside(name: string): Promise<WebAssembly.Module | null> {
   const url = new URL(name, document.baseURI);
   const answer = await fetch(url);

@@ -66,7 +66,7 @@ export async function listSessions(): Promise<SessionSummary[]> {
   return list.map(summaryOf).filter((summary) => summary !== null);
 }
 
-/** What is known of a server that does not let the page join a session. */
+/** The reason of a server that does not let the page join a session. */
 export interface Rejection {
   /** Why nothing else can be tried: a sentence for the user. Missing: a retry may succeed. */
   final?: string;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // How much of the line the picture may take.
 
-/** Bounds of the server (server/wire/README.md) and what a visitor who saves data gets; bytes/s. */
+/** The server's bounds (server/wire/README.md), and the budget where data is saved; bytes/s. */
 const LEAST = 25_000;
 const MOST = 1_000_000_000;
 const SAVED = 200_000;
 
 /**
- * Bytes per second of the surface: `?budget=` of the page's address, in kB/s, within what servers
- * take; without it 200 kB/s where the browser is set to save data. 0: any.
+ * Bytes per second of the surface: `?budget=` of the page's address, in kB/s, within the server's
+ * bounds; without it 200 kB/s where the browser is set to save data. 0: any.
  */
 export function viewBudget(
   parameters: URLSearchParams = new URLSearchParams(location.search),

@@ -4,7 +4,7 @@
 
 const hosts = new Set<string>();
 
-/** Begins to note what the policy forbids. */
+/** Begins to record the hosts that the policy forbids. */
 export function watchPolicy(): void {
   document.addEventListener('securitypolicyviolation', ({ blockedURI }) => {
     if (URL.canParse(blockedURI)) hosts.add(new URL(blockedURI).host);

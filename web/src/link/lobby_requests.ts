@@ -21,7 +21,7 @@ export interface Person {
   kind: string;
 }
 
-/** What a card shows beyond the list. */
+/** The details of a card that the list lacks. */
 export interface SessionDetails {
   people: Person[];
   stock: unknown;
@@ -32,7 +32,7 @@ export interface UploadedMesh {
   file: string;
   triangles: number;
   box: Box;
-  /** What was repaired in it; '' for nothing. */
+  /** The repairs of the mesh; '' if there are none. */
   repaired: string;
   /** Its numbers, taken as mm, make an unlikely size. */
   isUnlikely: boolean;
@@ -73,7 +73,7 @@ export async function sessionDetails(id: string): Promise<SessionDetails> {
   };
 }
 
-/** What a scene would cost, or why it cannot be made. */
+/** The cost of a scene, or why it cannot be made. */
 export async function priceOf(scene: Scene, signal: AbortSignal | null = null): Promise<Price> {
   const response = await ask('POST', '/v1/sessions?dry_run=1', JSON.stringify(scene), signal);
   const body = (await response.json()) as Json;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Asks what the surface is at a place, and who cut it.
+// Requests the surface at a point, and who cut it.
 
 import type { Vec3 } from '../wire/types';
 import { pathOf } from './address';

@@ -48,7 +48,7 @@ export async function replayState(session: string, at?: number): Promise<ReplayS
   };
 }
 
-/** What a journal begins with: its scene, and the files that this names. */
+/** The start of a journal: its scene, and the files that the scene names. */
 export function journalOrigin(session: string, journal: string): Promise<Uint8Array<ArrayBuffer>> {
   return askBytes(pathOf(session, `origin?journal=${journal}`));
 }

@@ -24,7 +24,7 @@ export class Silence {
 
   /** Returns whether the connection counts as lost. */
   tick(nowMs: number): boolean {
-    // A late tick: what has come meanwhile is to be read before the time is over.
+    // A late tick: read the messages that have arrived meanwhile before giving up.
     if (nowMs - this.tickMs_ > 2 * this.everyMs) this.heardMs_ = nowMs;
     this.tickMs_ = nowMs;
     return nowMs - this.heardMs_ > SILENCE_MAX_MS;

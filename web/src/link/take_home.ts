@@ -16,7 +16,7 @@ export interface Progress {
 export interface TakenFile {
   name: string;
   content: Blob;
-  /** What a surface has lost. */
+  /** The losses of a surface. */
   losses: string[];
 }
 
@@ -71,7 +71,7 @@ export async function takeHome(
   const poll = setInterval(() => {
     shareMade(folder, file, signal).then(
       (share) => isMaking && progress({ phase: 'making', share, bytes: 0 }),
-      () => undefined, // the request for the file itself tells what is wrong
+      () => undefined, // the request for the file itself reports the error
     );
   }, POLL_MS);
   const made = (): void => {

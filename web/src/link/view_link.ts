@@ -57,7 +57,7 @@ export interface LinkEvents {
 export interface LinkOptions {
   /** At the server that the page comes from; that one may send it on to another. */
   url: string;
-  /** Under which the viewer joins, cut to what the server takes; rename() changes it. */
+  /** The viewer's name, truncated to the server's limit; rename() changes it. */
   name: string;
   open(url: string, protocol: string): Socket;
   /** Queries over HTTP why the server with this origin does not let the viewer in. */

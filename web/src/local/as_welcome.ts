@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the view needs of a block, as a server would say it.
+// The welcome that a server would send for the page's own block.
 
 import type { Welcome } from '../wire/types';
 import type { About } from './program_block';

@@ -6,7 +6,7 @@ import type { FromWorker, ToWorker } from './messages';
 import type { About, ProgramBlock } from './program_block';
 
 const SLICE_MS = 30;
-/** Between two meshes, and in times of what the last one took. */
+/** Least time between two meshes, in ms and relative to the duration of the last one. */
 const MESH_EVERY_MS = 150;
 const MESH_SHARE = 3;
 /** The same for a block that is played. */
@@ -17,7 +17,7 @@ const HASH_EVERY_MS = 1000;
 const PAUSE_S = 1;
 const PLAY_TOGETHER = 64;
 
-/** What the carver needs of its surroundings. */
+/** The surroundings of the carver. */
 export interface Surroundings {
   post(message: FromWorker): void;
   load(module: WebAssembly.Module): Promise<ProgramBlock>;
@@ -213,7 +213,7 @@ export class Carver {
     this.changed_();
   }
 
-  /** Why the block rejects what is done; empty: it does not. */
+  /** Why the block rejects a change; empty if it accepts it. */
   private reasonOf_(act: () => void): string {
     try {
       act();
@@ -235,7 +235,7 @@ export class Carver {
     this.hashedMs_ = -Infinity;
   }
 
-  /** What the block rejects is said to the page. */
+  /** Reports the block's errors to the page. */
   private try_(act: () => void): boolean {
     const reason = this.reasonOf_(act);
     if (reason !== '') this.around.post({ type: 'rejected', reason });
@@ -283,7 +283,7 @@ export class Carver {
     else this.show_(block, atRest);
   }
 
-  /** What was displayed stays until the block is there again. */
+  /** The displayed tiles stay until the block is there again. */
   private hand_(block: ProgramBlock, atRest: boolean): void {
     if (atRest) {
       this.isHanding_ = false;
@@ -307,7 +307,7 @@ export class Carver {
     }
   }
 
-  /** Carves what is due. What cannot be carved in time is carved later: the clock waits for it. */
+  /** Carves the motions that are due. If carving is too slow, the clock waits for it. */
   private playOn_(
     block: ProgramBlock,
     playing: { rate: number; fromS: number; fromMs: number },
@@ -329,7 +329,7 @@ export class Carver {
     playing.fromMs = around.nowMs();
   }
 
-  /** Meshes what has changed, if it is time to. */
+  /** Meshes the changed tiles, if it is time to. */
   private show_(block: ProgramBlock, atRest: boolean): void {
     const { around } = this;
     const beganMs = around.nowMs();

@@ -36,7 +36,7 @@ export class LocalHand {
   private isSaved_ = true;
   private timer_: ReturnType<typeof setTimeout> | undefined;
   private keepTimer_: ReturnType<typeof setTimeout> | undefined;
-  /** For what the worker was asked, in order. */
+  /** Handlers of the worker's answers, in the order of the requests. */
   private asked_: ('file' | 'autosave')[] = [];
 
   constructor(private readonly host: HandHost) {

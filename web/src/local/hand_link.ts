@@ -12,7 +12,7 @@ import { translated } from './reasons';
 const SPEED_MM_PER_S = 2000;
 const SAMPLES_PER_S = 1000;
 const SAMPLES_PER_FRAME = 16; // kMaxSamplesPerMotion of server/wire/limits.h
-/** The worker is behind: what the hand does next waits, and is drawn later. */
+/** The worker is behind: the hand's next motions wait, and are drawn later. */
 const UNANSWERED_MAX = 256;
 const REST_MS = 600;
 

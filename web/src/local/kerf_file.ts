@@ -168,7 +168,7 @@ function participantsOf(database: Database): ParticipantInfo[] {
   return list;
 }
 
-/** Of which the message says what is wrong with the file; other errors here are those of SQLite. */
+/** An error of the file, which the message names. Other errors here come from SQLite. */
 class FileFault extends Error {}
 
 function check(database: Database): void {
@@ -188,12 +188,12 @@ export async function openDatabase(given: Uint8Array | null): Promise<Database> 
   const sql = await initSqlJs({ wasmBinary });
   if (!given) return new sql.Database();
   const bytes = given.slice();
-  // A database of one file has no log beside it, which SQLite would look for.
+  // A database of one file has no separate log, which SQLite would look for.
   for (const at of MODE_BYTES) if (bytes[at] === 2) bytes[at] = ROLLBACK;
   return new sql.Database(bytes);
 }
 
-/** What is wrong with a file that SQLite does not read. */
+/** The error of a file that SQLite does not read. */
 function faultOf(problem: unknown): unknown {
   if (problem instanceof FileFault || !(problem instanceof Error)) return problem;
   return problem.message === 'file is not a database'
@@ -206,7 +206,7 @@ function faultOf(problem: unknown): unknown {
       );
 }
 
-/** Rejects with a clause that says what is wrong with the file. */
+/** Rejects with a clause that names the file's error. */
 export async function readKerfFile(given: Uint8Array): Promise<KerfFile> {
   const database = await openDatabase(given);
   try {

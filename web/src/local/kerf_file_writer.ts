@@ -38,7 +38,7 @@ function begin(database: Database, { id, scene, sceneCrc, files }: JournalParts)
     database.run('INSERT INTO files VALUES(?,?,?)', [text(name), bytes, crc]);
 }
 
-/** Adds what the file does not have yet. */
+/** Adds the rows that the file lacks. */
 function extend(database: Database, parts: JournalParts, people: readonly ParticipantInfo[]): void {
   const put = 'INSERT OR REPLACE INTO participants VALUES(?,?,?,?)';
   for (const { participant, name, color, kind } of people)

@@ -159,7 +159,7 @@ export class LocalPage {
     this.hand_.toggle();
   }
 
-  /** What tests ask of the page (hook.ts). */
+  /** The page's state for tests (hook.ts). */
   get facts() {
     const { status_: status, problem_: problem, hash_: hash, progress_: progress } = this;
     return {

@@ -71,7 +71,9 @@ export class MemoryFolder {
     return file?.bytes ?? null;
   }
 
-  /** What a module imports. Calls that are not made for files say that they are not supported. */
+  /**
+   * The imports of a module. Calls that do not concern files report that they are not supported.
+   */
   imports(module: WebAssembly.Module): WebAssembly.Imports {
     const calls = this.calls_();
     const all: Record<string, Record<string, Call>> = {};
@@ -132,7 +134,7 @@ export class MemoryFolder {
       },
       fd_write: (fd: number, list: number, count: number, to: number) =>
         this.write_(fd, list, count, to),
-      // Every clock counts from the start of the worker: what is measured is how long work takes.
+      // Every clock counts from the start of the worker: the module only measures durations.
       clock_time_get: (_clock: number, _precision: bigint, to: number) => {
         this.view_.setBigUint64(to, BigInt(Math.round(1e6 * performance.now())), true);
         return OK;

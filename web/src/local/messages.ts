@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a page that carves by itself and its worker say to each other.
+// The messages between a page that carves by itself and its worker.
 
 import type { TileTriangles } from '../kernel/kernel';
 import type {
@@ -48,7 +48,7 @@ export type ToWorker =
   | { type: 'change'; undone: boolean; wallMs: number }
   /** The hand rests: the state hash is computed. */
   | { type: 'rest' }
-  /** Asks for a journal of what the hand has carved. */
+  /** Requests a journal of the hand's strokes. */
   | { type: 'save' };
 
 export type FromWorker =

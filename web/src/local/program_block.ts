@@ -13,7 +13,7 @@ export interface GivenFile {
   bytes: Uint8Array<ArrayBuffer>;
 }
 
-/** The files of a block. Those beside a program or scene, which it may name, are `others`. */
+/** The files of a block. `others` are files that a program or scene may name. */
 export interface GivenFiles {
   program: GivenFile | null;
   scene: GivenFile | null;
@@ -31,7 +31,7 @@ export interface GivenJournal {
   spans: Uint8Array<ArrayBuffer>[];
 }
 
-/** What a .kerf file of a journal holds, but for its participants. */
+/** The contents of a .kerf file of a journal, but for its participants. */
 export interface JournalParts {
   /** Identity of the session, and its scene, as UTF-8. */
   id: Uint8Array<ArrayBuffer>;
@@ -50,7 +50,7 @@ export interface JournalParts {
   kernelVersion: number;
 }
 
-/** What was read, and what was assumed. */
+/** The facts that were read or assumed. */
 export interface About {
   name: string;
   stock: Stock;
@@ -64,7 +64,7 @@ export interface About {
   lines: number;
   /** Of all motions, at feed rate. */
   machining_s: number;
-  /** What was assumed, a line each. */
+  /** The assumptions, a line each. */
   notes: string[];
   warnings: string[];
   /** Of a journal: the version that replays it. */
@@ -166,7 +166,7 @@ export class ProgramBlock {
     this.check_(this.calls.kerf_read());
   }
 
-  /** Makes the block of what was read. The other calls need it. */
+  /** Makes the block from the files that were read. The other calls need it. */
   make(): void {
     this.check_(this.calls.kerf_make());
   }
@@ -200,8 +200,8 @@ export class ProgramBlock {
   }
 
   /**
-   * A hand carves from now on, as this participant. The block of a program becomes the journal of
-   * what is carved of it, which is to be made and carved again.
+   * A hand carves from now on, as this participant. The block of a program becomes a journal of its
+   * motions so far, which is to be made and carved again.
    */
   hand(participant: number, wallMs: number): void {
     this.check_(this.calls.kerf_hand(participant, wallMs));

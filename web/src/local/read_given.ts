@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the worker is asked first for the user's files.
+// The first request to the worker for the user's files.
 
 import { t } from '../strings';
 import { count } from '../ui/format';
@@ -11,7 +11,7 @@ import type { About, GivenFiles } from './program_block';
 export interface ReadGiven {
   first: ToWorker & { type: 'open' | 'journal' };
   participants: ParticipantInfo[];
-  /** What a state says beside the one that the journal stores; empty: nothing. */
+  /** Compares a state with the one that the journal stores; empty if it stores none. */
   compare: (record: number, hash: string | null, about: About) => string;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Why the module rejects what a hand does, in the user's language (web/wasm/files/journal_block.cpp).
+// Why the module rejects a hand's action, in the user's language
+// (web/wasm/files/journal_block.cpp).
 
 import { t } from '../strings';
 

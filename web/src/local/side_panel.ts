@@ -23,7 +23,7 @@ export type Status = 'empty' | 'reading' | 'carving' | 'rest' | 'failed';
 export interface SideActions {
   choose: () => void;
   remove: (what: 'program' | 'scene' | 'stock' | 'journal') => void;
-  /** Ends what the worker does. */
+  /** Stops the worker. */
   stop: () => void;
   seek: (motion: number) => void;
   /** Plays on with a rate, or rests with 0. */
@@ -32,7 +32,7 @@ export interface SideActions {
   save: () => void;
   linePressed: (line: number) => void;
   materialChosen: (preset: StockMaterialPreset) => void;
-  /** What a 3D mouse moves. */
+  /** The camera that a 3D mouse moves. */
   capMouse: CapMouseHost;
   layoutChanged: () => void;
 }
@@ -241,7 +241,7 @@ export class SidePanel {
     this.transport_.update(rate, false);
   }
 
-  /** What the state says beside the one that the journal stores. */
+  /** Shows how the state compares with the one that the journal stores. */
   setStored(text: string): void {
     setText(this.stored_, text);
   }

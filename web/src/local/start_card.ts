@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is shown before there is a block.
+// The card that is shown before there is a block.
 
 import { t } from '../strings';
 import { h } from '../ui/dom';

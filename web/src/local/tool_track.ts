@@ -25,7 +25,7 @@ export function programAs(name: string, tool: number): ParticipantInfo {
 export class ToolTrack {
   constructor(private readonly model: SessionModel) {}
 
-  /** Shows the tool at the end of what is carved, unless the program has ended. */
+  /** Shows the tool at the end of the carved motions, unless the program has ended. */
   show({ tool, tip_mm, axis }: Progress, moves: boolean): void {
     if (!moves || tool === undefined || !tip_mm || !axis) {
       this.clear();

@@ -3,7 +3,7 @@
 
 import type { Vec3 } from '../wire/types';
 
-/** What follows the cap: the block, or the camera, as if one flew. */
+/** The object that follows the cap: the block, or the camera, as if one flew. */
 export type CapSense = 'block' | 'camera';
 
 /** Each part from -1 to 1. */
@@ -16,7 +16,7 @@ export interface CapPush {
   twist: number;
 }
 
-/** What the camera's rig does. */
+/** The part of the camera's rig that is used. */
 export interface CameraStep {
   aroundRad: number;
   upRad: number;

@@ -5,7 +5,9 @@ import type { ForceCurve } from './force_curve';
 
 const CM3_PER_MIN = 60 / 1000; // mm³/s
 
-/** Columns of equal length: what was cut until `timesS`, since the time before. */
+/**
+ * Columns of equal length: a column has the cut between the time before and its own in `timesS`.
+ */
 export interface CutCurve {
   timesS: number[];
   /** The greatest force. */

@@ -40,12 +40,15 @@ export function shareBelow(quantiles: readonly number[], mm: number): number {
 
 /** The share of the surface that is within a tolerance of the part. */
 export function shareWithin(quantiles: readonly number[], toleranceMm: number): number {
-  // What is exactly at the lower limit is within, too.
+  // A value exactly at the lower limit is within, too.
   const below = shareBelow(quantiles, -toleranceMm * (1 + 1e-12));
   return shareBelow(quantiles, toleranceMm) - below;
 }
 
-/** The shares of the surface in equal bins from -range to range; what is beyond is in the outer ones. */
+/**
+ * The shares of the surface in equal bins from -range to range; values beyond the range count in
+ * the outer bins.
+ */
 export function binShares(quantiles: readonly number[], rangeMm: number, bins: number): number[] {
   const edges = Array.from({ length: bins + 1 }, (_, n) => rangeMm * ((2 * n) / bins - 1));
   edges[0] = -Infinity;

@@ -26,7 +26,9 @@ export class ForceHistory {
     while (this.times_[this.begin_]! < timeS - this.windowS) this.begin_ += 1;
   }
 
-  /** Drops what is older than the window at `timeS`, for a participant who sends nothing more. */
+  /**
+   * Drops the samples older than the window at `timeS`. Needed for a participant who sends none.
+   */
   forget(timeS: number): void {
     while (this.begin_ < this.end_ && this.times_[this.begin_]! < timeS - this.windowS)
       this.begin_ += 1;

@@ -32,7 +32,10 @@ function clock(seconds: number): string {
   return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, '0')}`;
 }
 
-/** How far the only running program is; with several, nothing says what the whole is. */
+/**
+ * Progress of the only running program; empty without one, and for several, whose total is
+ * undefined.
+ */
 function farOf({ programs }: SessionModel): string {
   const running = programs.all().filter(({ state }) => state === 'running' || state === 'paused');
   const [program] = running;

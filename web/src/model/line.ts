@@ -7,7 +7,7 @@ type Axis = 0 | 1 | 2;
 
 /** A line, or the ray from its origin. Places along it are in lengths of `direction`. */
 export class Line {
-  // The axis along which it goes farthest, and the two after it; what it goes along them.
+  // The axis along which it goes farthest and the two after it, with the lengths along them.
   private readonly z_: Axis;
   private readonly x_: Axis;
   private readonly y_: Axis;

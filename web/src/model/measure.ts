@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is measured between points of the surface, and how it is written.
+// Measures between points of the surface, and their texts.
 
 import { language } from '../strings';
 import type { Vec3 } from '../wire/types';
@@ -21,7 +21,7 @@ export interface Measure {
   kind: MeasureKind;
   /** The length, mm; for an angle degrees. */
   value: number;
-  /** What is drawn, from point to point. */
+  /** The lines to draw, from point to point. */
   line: Vec3[];
   /** Where the figure stands. */
   place: Vec3;
@@ -117,7 +117,7 @@ export function areaText(mm2: number, unit: LengthUnit): string {
   return unit === 'mm' ? `${fixed(mm2, 2)} mm²` : `${fixed(mm2 / MM_PER_INCH ** 2, 4)} in²`;
 }
 
-/** What a length is in the unit in which it is typed. */
+/** A length in the unit in which it is typed. */
 export function inUnit(mm: number, unit: LengthUnit): number {
   return unit === 'mm' ? mm : mm / MM_PER_INCH;
 }
@@ -132,7 +132,7 @@ export function valueText({ kind, value }: Measure, unit: LengthUnit): string {
   return kind === 'radius' ? `R ${text} · ⌀ ${lengthText(2 * value, unit)}` : text;
 }
 
-/** “Δx 1.000 · Δy 2.000 · Δz 0.000”; empty for what has no parts. */
+/** “Δx 1.000 · Δy 2.000 · Δz 0.000”; empty for a measure without parts. */
 export function partsText({ parts }: Measure, unit: LengthUnit): string {
   if (!parts) return '';
   const digits = unit === 'mm' ? 3 : 4;

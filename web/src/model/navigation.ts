@@ -17,9 +17,9 @@ export interface Navigation {
   right: Drag;
   /** The button and the key with which it zooms instead. With other keys turning pans, and panning turns. */
   zoom?: { button: 'middle' | 'right'; key: 'shiftKey' | 'ctrlKey' };
-  /** While the middle button is held, another one changes what it does (`Chord`). */
+  /** While the middle button is held, another button changes its action (`Chord`). */
   chord?: true;
-  /** What the right button does with keys, instead of that. */
+  /** The right button's other actions, by modifier key. */
   rightWith?: { shift: Drag; ctrl: Drag; both: Drag };
 }
 
@@ -64,7 +64,7 @@ export function navigationOf(id: string | null): Navigation {
 }
 
 /**
- * What the controls have to be given for a button that is pressed with these keys: with one of them
+ * The action to set in the controls for a button that is pressed with these keys: with one of them
  * they pan instead of turning, and turn instead of panning.
  */
 export function dragOf(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes of new blocks: from a template, around a mesh, or for a program; what they cost, in words.
+// Scenes of new blocks: from a template, around a mesh, or for a program; their cost, in words.
 
 import { language, t } from '../strings';
 import type { Vec3 } from '../wire/types';
@@ -34,7 +34,7 @@ export interface DerivedScene {
   machineS: number;
 }
 
-/** What a scene would cost: POST /v1/sessions?dry_run=1. */
+/** The cost of a scene: POST /v1/sessions?dry_run=1. */
 export interface Price {
   /** Of a block that is touched everywhere. */
   bytes: number;

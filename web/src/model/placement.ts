@@ -23,7 +23,7 @@ export function unplaced(): Placement {
 
 const isZero = (v: Vec3): boolean => v.every((value) => value === 0);
 
-/** The scene's field `placement`, without what is not changed; null if nothing is. */
+/** The scene's field `placement`, without unchanged parts; null if all are unchanged. */
 export function placementJson(placement: Placement): Record<string, unknown> | null {
   const { unit, scale, rotateDeg, translateMm } = placement;
   const json = {

@@ -4,7 +4,10 @@
 
 import type { ProfileStep, ToolInfo } from '../wire/types';
 
-/** What leads to a point: a straight line, or an arc away from the axis or towards it (a fillet). */
+/**
+ * The edge that leads to a point: a straight line, or an arc away from the axis or towards it (a
+ * fillet).
+ */
 export type Edge = 'line' | 'out' | 'in';
 
 /** Lengths in mm. */

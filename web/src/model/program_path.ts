@@ -200,7 +200,7 @@ export function nearestInPicture(
   return best;
 }
 
-/** The parts of the path for a drawing: two points each, and of each point what it needs. */
+/** The parts of the path for a drawing: two points each, with the attributes of each point. */
 export interface PathSegments {
   positions: Float32Array;
   /** The number of the point to which the part leads. */

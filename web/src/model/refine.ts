@@ -16,7 +16,7 @@ export interface Triangles {
 /** Of the block's diagonal. */
 const EDGE_SHARE = 1 / 160;
 
-/** The longest edge, mm, along which what is painted on a block does not change. */
+/** The longest edge, mm, along which the paint on a block does not change. */
 export function paintedEdge(pitchMm: number, { min, max }: { min: Vec3; max: Vec3 }): number {
   return Math.max(2 * pitchMm, EDGE_SHARE * distance(min, max));
 }

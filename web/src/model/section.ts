@@ -84,8 +84,8 @@ export function sectionOf(pieces: readonly Piece[], plane: Plane): Section {
 }
 
 /**
- * What a line of sight, which has these hits, meets first behind the plane: the surface, or the
- * material cut by the plane. Null: nothing.
+ * The first hit of a line of sight behind the plane: the surface, or the material cut by the plane.
+ * Null: nothing.
  */
 export function firstBehind(
   hits: readonly Hit[],

@@ -44,7 +44,7 @@ export class Seeker {
 
   constructor(private readonly send: (seek: Seek) => void) {}
 
-  /** What was asked for last, until it is shown; then null. */
+  /** The last request, until it is shown; then null. */
   get wish(): Wish | null {
     return this.next_ ?? this.sent_;
   }
@@ -59,13 +59,13 @@ export class Seeker {
     this.tick(state, nowMs);
   }
 
-  /** The server has rejected what was sent last: the viewer stays where it is. */
+  /** The server has rejected the last request: the viewer stays where it is. */
   rejected(): void {
     this.sent_ = null;
     this.next_ = null;
   }
 
-  /** The connection was lost: what was not answered is asked again. Tick when there is one again. */
+  /** The connection was lost: an unanswered request is sent again. Call tick() once it is back. */
   lost(): void {
     this.next_ ??= this.sent_;
     this.sent_ = null;

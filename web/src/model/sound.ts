@@ -14,7 +14,7 @@ export interface SoundLevels {
   noiseGain: number;
 }
 
-/** State of a spindle and of what its tool cuts. */
+/** State of a spindle and of its tool's cut. */
 export interface Cut {
   spindleRpm: number;
   teeth: number;

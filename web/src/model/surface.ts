@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The displayed surface as triangles, and what rays meet in it. It comes in pieces with boxes, of
-// which most need not be looked at.
+// The displayed surface as triangles, and the hits of rays with it. It comes in pieces with boxes,
+// of which most need not be looked at.
 
 import type { Vec3 } from '../wire/types';
 import { Line } from './line';

@@ -106,7 +106,7 @@ export interface DetailChoice {
   bytes: number | null;
 }
 
-/** What a server takes as a part, in bytes. */
+/** Largest part that a server accepts, in bytes. */
 const PART_BYTES_MAX = 2 ** 26;
 const NO_LIMITS = { triangles: null, bytes: null };
 const EXACT: DetailChoice = { text: t('full detail'), query: '', ...NO_LIMITS };
@@ -148,7 +148,7 @@ export function fileOf({ file }: TakeHomeFormat, { query }: DetailChoice): strin
   return `${file}${file.includes('?') ? '&' : '?'}${query}`;
 }
 
-/** What a session has of what files are made of. */
+/** The data of a session from which files are made. */
 export interface Amounts {
   motions: number;
   /** Of the field along Z. */
@@ -170,7 +170,7 @@ export function sizeOf(
   return Math.min(choice.bytes ?? Infinity, HEAD_BYTES + count * format.bytesEach);
 }
 
-/** What the header Kerf-Model says that a surface has lost; a sentence for each. */
+/** The losses of a surface that the header Kerf-Model states, a sentence each. */
 export function lossesIn(header: string): string[] {
   let model: { exact_triangles?: unknown; within_mm?: unknown; collapsed_triangles?: unknown };
   try {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks what the server says and shows of the block: replays its journal in this browser, with the
-// same kernel, and compares the state hashes, then the tiles that the page displays. What was
-// verified is kept, so that the next check replays the records after it only.
+// Verifies the server's state and picture of the block: replays its journal in this browser, with
+// the same kernel, and compares the state hashes, then the tiles that the page displays. Verified
+// records are kept, so that the next check replays only the records after them.
 
 import { journalOrigin, journalRecords, replayState, storedHashes } from '../link/replay';
 import type { ReplayState } from '../link/replay';
@@ -140,7 +140,7 @@ export class SessionCheck {
   }
 }
 
-/** What a replay says that has reached a record with a hash. */
+/** A replay's message on reaching a record with a hash. */
 export function compared(
   state: ReplayState,
   { record, hash }: HashAt,

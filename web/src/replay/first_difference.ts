@@ -3,7 +3,7 @@
 
 import type { HashAt } from './replayer';
 
-/** What the server says of a journal. */
+/** The server's hashes of a journal. */
 export interface ServerHashes {
   /** Those that it has stored, about one a second, of records from one to another; not all if many. */
   stored: (first: number, last: number) => Promise<HashAt[]>;

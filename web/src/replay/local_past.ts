@@ -46,7 +46,7 @@ export class LocalPast {
     this.worker_ = makeWorker((message) => this.heard_(message));
   }
 
-  /** Whether the picture is this past's: what the server tells of the present is kept from it. */
+  /** Whether the picture is this past's: messages of the server on the present are kept from it. */
   get isShown(): boolean {
     return this.isShown_;
   }

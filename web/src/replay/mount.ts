@@ -61,14 +61,14 @@ export function mountPast(host: PastHost): PastSwitch {
   };
 }
 
-/** The badge beside the state hash; null where the page cannot replay. */
+/** The badge next to the state hash; null where the page cannot replay. */
 export function mountCheck(
   session: string,
   model: SessionModel,
   viewer: () => Viewer | null,
 ): HTMLElement | null {
   if (!KERF_HAS_FILES) return null;
-  let check: SessionCheck | null = null; // keeps what it has verified
+  let check: SessionCheck | null = null; // keeps its verified records
   return checkBadge(async (tell) => {
     const [{ SessionCheck }, { shownPicture }] = await Promise.all([
       import('./check'),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compares the tiles that are displayed with those of the page's own replay: the digest of each
-// tile's columns, which the server states beside the mesh, and the mesh itself with one that the
-// replay makes.
+// tile's columns, which the server states along with the mesh, and the mesh itself with one that
+// the replay makes.
 
 import type { TileTriangles } from '../kernel/kernel';
 import { tileKey } from '../model/tiles';

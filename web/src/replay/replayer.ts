@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A journal that a worker replays for its hashes, and for what the tiles of a picture must show: one
+// A journal that a worker replays for its hashes, and for the tiles that a picture must show: one
 // request after the other.
 
 import type { TileTriangles } from '../kernel/kernel';
@@ -74,7 +74,7 @@ export class Replayer {
     this.worker_.end();
   }
 
-  /** @param answerIn what a message says to it; null: nothing */
+  /** @param answerIn the message's answer to it; null if it has none */
   private asked_<T>(ask: () => void, answerIn: (message: FromWorker) => T | null): Promise<T> {
     return new Promise((resolve, reject) => {
       const take = (message: FromWorker): boolean => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the page displays, as the check compares it with its own replay.
+// The displayed tiles, as the check compares them with its own replay.
 
 import type { SessionModel } from '../model/session';
 import type { Viewer } from '../view/viewer';
@@ -25,7 +25,7 @@ export interface ShownPicture {
   corners(): Map<number, Corners>;
 }
 
-/** Where a tile of the page's own copy is displayed, that is what is compared. */
+/** Where a tile of the page's own copy is displayed, the check compares that one. */
 function cornersOf(viewer: Viewer, originMm: readonly number[]): Map<number, Corners> {
   const corners = new Map<number, Corners>();
   for (const { key, geometry, matrix } of viewer.tiles.tiles()) {

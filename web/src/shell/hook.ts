@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Publishes window.kerf for tests: state(), a read-only snapshot of the page's state, surface(), the
-// triangles it displays, copyHash(), that of its copy of the block while one carves, vr(), what a
-// headset shows, and marks, the times of its start.
+// Publishes window.kerf for tests: state(), a read-only snapshot of the page's state, surface(),
+// the triangles it displays, copyHash(), that of its copy of the block while one carves, vr(), the
+// state of a headset, and marks, the times of its start.
 
 import { marks } from '../model/marks';
 import type { SessionPage } from './session_page';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the address means: a session, the lobby, an invitation.
+// Opens the page that the address names: a session, the lobby, an invitation.
 
 import { installHook } from './hook';
 import { watchPolicy } from '../link/forbidden';
@@ -22,7 +22,7 @@ function openSession(app: HTMLElement, session: string, parameters: URLSearchPar
   page.start(frameLimit(parameters));
 }
 
-/** Shows what the address of the page says. */
+/** Shows the page of the address. */
 export async function showPage(): Promise<void> {
   const app = document.getElementById('app')!;
   const parameters = new URLSearchParams(location.search);

@@ -33,7 +33,7 @@ export interface PanelActions {
   viewer: () => Viewer | null;
   materialChosen: (look: StockMaterialPreset) => void;
   navigationChosen: (navigation: Navigation) => void;
-  /** What a 3D mouse moves. */
+  /** The camera that a 3D mouse moves. */
   capMouse: CapMouseHost;
   /** The panel was resized. */
   layoutChanged: () => void;
@@ -116,7 +116,7 @@ export class Panel {
 
   /**
    * Updates the panel from the model; called about ten times a second.
-   * @param started the first picture is drawn, or there is none, so that what is not needed for it
+   * @param started the first picture is drawn, or there is none, so that code that it does not need
    * may be loaded
    */
   update(nowMs: number, started: boolean): void {

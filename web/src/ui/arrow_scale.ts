@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the longest arrows of force and torque stand for.
+// The force and the torque of the longest arrows.
 
 import { h, setText } from './dom';
 import { figure } from './format';

@@ -21,9 +21,9 @@ export function figure(value: number): string {
 }
 
 /**
- * Formats a computed force or torque, and beside it what the device makes felt, where they differ:
- * "18.1 N · felt 3.02 (× 0.167)", or "18.1 N · not felt" while the motors are off. `share`: felt over
- * computed; null: not stated.
+ * Formats a computed force or torque, followed by the value that the device outputs if they differ:
+ * "18.1 N · felt 3.02 (× 0.167)", or "18.1 N · not felt" while the motors are off. `share`: felt
+ * over computed; null: not stated.
  */
 export function feltBeside(computed: number, share: number | null, unit: string): string {
   const text = `${figure(computed)} ${unit}`;

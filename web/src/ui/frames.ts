@@ -11,9 +11,9 @@ export function frameLimit(parameters: URLSearchParams): number {
 }
 
 /**
- * Calls back in each frame of the browser from now on, in at most `perSecond` of them if that is not
- * 0, but not while a picture is being drawn: what the page changes then would have the browser put
- * the page together twice for one picture.
+ * Calls back in each frame of the browser from now on, in at most `perSecond` of them if that is
+ * not 0, but not while a picture is being drawn: changes of the page then make the browser compose
+ * the page twice for one picture.
  */
 export function eachFrame(picture: Picture, frame: (nowMs: number) => void, perSecond = 0): void {
   const everyMs = perSecond > 0 ? 1000 / perSecond : 0;

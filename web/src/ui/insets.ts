@@ -3,11 +3,11 @@
 
 import type { Insets } from '../model/fit';
 
-/** Panels beside the picture leave it this much, or they lie over it. */
+/** Panels at the side leave the picture this much, or they overlap it. */
 const FREE_PX = 200;
 const SIDES = ['panel', 'inspect', 'programs'];
 
-/** The margins of a picture of `width` × `height` CSS pixels that what lies over it covers. */
+/** The margins of a picture of `width` × `height` CSS pixels that panels cover. */
 export function insetsOf(app: HTMLElement, width: number, height: number): Insets {
   const boxOf = (name: string): DOMRect | null => {
     const box = app.querySelector(`.${name}:not([hidden])`)?.getBoundingClientRect();

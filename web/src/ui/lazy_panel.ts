@@ -6,8 +6,8 @@ export interface Panel {
 }
 
 /**
- * Returns what opens and closes the panel. A chunk that did not load is loaded again by the next
- * press.
+ * Returns a function that opens and closes the panel. A chunk that did not load is loaded again by
+ * the next press.
  * @param name for the console
  */
 export function lazyPanel(name: string, load: () => Promise<Panel>): () => void {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The choice of the block's material. What the user chose is kept; until then the kind of session
+// The choice of the block's material. The user's choice is kept; until then the kind of session
 // decides.
 
 import { t } from '../strings';

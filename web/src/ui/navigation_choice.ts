@@ -9,7 +9,7 @@ import { h } from './dom';
 
 const KEY = 'navigation';
 
-/** @param chosen is called at once with what was chosen in an earlier visit */
+/** @param chosen is called at once with the choice of an earlier visit */
 export function navigationChoice(chosen: (navigation: Navigation) => void): HTMLElement {
   const select = h(
     'select',

@@ -3,7 +3,7 @@
 
 import { h, setText } from './dom';
 
-/** What a notice says; `wait` counts down and is not read aloud. */
+/** The text of a notice; `wait` counts down and is not read aloud. */
 export interface NoticeText {
   text: string;
   wait?: string;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the notice over the picture says: the most important of what is wrong or happens.
+// The text of the notice over the picture: the most important problem or event.
 
 import { t } from '../strings';
 import type { SessionModel } from '../model/session';

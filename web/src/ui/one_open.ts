@@ -2,7 +2,7 @@
 // Parts of the page of which one at a time is open, because they lie on each other or take the same
 // pointer: the panels at the side, and carving.
 
-/** What closes a part; it stands for the part. */
+/** Closes a part; also identifies it. */
 export type Close = () => void;
 
 export class OneOpen {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The 3D view as the page sees it. It opens once the session was joined, because its code and the GPU
-// take time, and a browser without WebGL has none at all. So what the user sets is kept here.
+// The 3D view as the page sees it. It opens once the session was joined, because its code and the
+// GPU take time, and a browser without WebGL has none at all. So the user's settings are kept here.
 
 import { computed, signal } from '@preact/signals';
 import { workerDecoder } from '../decode/frame_decoder';

@@ -17,7 +17,7 @@ export interface ToolbarActions {
   help: () => void;
 }
 
-/** What the buttons show: pressed, or of no use now. */
+/** The states of the buttons: pressed, or of no use now. */
 export interface ToolbarState {
   hasPicture: boolean;
   canFollow: boolean;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cameras that others show: a small pyramid from the eye towards what it sees, with the name.
+// The cameras that other viewers show: a small pyramid from the eye along its sight, with the name.
 
 import * as THREE from 'three';
 import type { ShownCamera } from '../wire/types';

@@ -125,7 +125,7 @@ export class CameraRig {
     this.shift_();
   }
 
-  /** The camera that draws. The one in perspective is what the controls move. */
+  /** The camera that draws. The controls move the one in perspective. */
   get eye(): THREE.PerspectiveCamera | THREE.OrthographicCamera {
     return this.parallel ? this.parallel_ : this.camera;
   }
@@ -184,7 +184,7 @@ export class CameraRig {
     this.fittedFrom_ = this.flight_ = null;
   }
 
-  /** A distance from which a detail of the block is seen with what is around it. */
+  /** A distance from which a detail of the block is seen with its surroundings. */
   get closeMm(): number {
     return 1.6 * this.radius_;
   }
@@ -252,7 +252,7 @@ export class CameraRig {
     return changed;
   }
 
-  /** Shows at the camera's target what the camera in perspective shows there. */
+  /** Shows the camera's target as the camera in perspective shows it. */
   private placeParallel_(): void {
     const { camera, parallel_: eye } = this;
     const { width, height, insets } = this.view_;

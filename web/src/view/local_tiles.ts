@@ -12,7 +12,7 @@ import type { TileView } from './tile_view';
 
 const RESULTS_MAX = 1024;
 
-/** A tile of the copy, and what the server displays at its place. */
+/** A tile of the copy, and the server's tile that it replaces. */
 interface Covered {
   /** The newest of the page's samples that is in it. */
   newest: bigint;

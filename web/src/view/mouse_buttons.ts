@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gives the mouse buttons of the camera's controls what the chosen navigation says. Shift and Ctrl,
-// by which the controls pan instead of turning and turn instead of panning, are theirs, but for
-// zooming.
+// Gives the mouse buttons of the camera's controls the actions of the chosen navigation. Shift and
+// Ctrl, by which the controls pan instead of turning and turn instead of panning, are theirs, but
+// for zooming.
 
 import { MOUSE } from 'three';
 import type { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
@@ -20,7 +20,7 @@ const MIDDLE = 1;
 
 export class MouseButtons {
   private navigation_ = NAVIGATIONS[0]!;
-  /** What was given for each button last. */
+  /** The last action given to each button. */
   private readonly given_: Record<'middle' | 'right', Drag> = { middle: 'zoom', right: 'pan' };
   private readonly chord_ = new Chord();
   private dragged_: Drag | null = null; // by a chord

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the path of an NC program as one geometry of lines: rapid moves dashed, what has been carved
-// and what is to come in different colors, the parts of one line of the text marked. What the block
-// hides shines through it.
+// Draws the path of an NC program as one geometry of lines: rapid moves dashed, the carved and the
+// remaining part in different colors, the parts of one line of the text marked. Hidden parts shine
+// through the block.
 
 import * as THREE from 'three';
 import { segmentsOf } from '../model/program_path';

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows what the CPU draws with WebGL on another canvas. A browser without a GPU reads each picture
-// back to put the page together, and stops the page until all of it is drawn: keys, pointers and
-// tiles wait. Here the page asks for the pixels, goes on, and shows them when they are there. The
-// canvas that WebGL draws on is not in the document, so the browser does not read it.
+// Shows the picture that the CPU draws with WebGL on another canvas. A browser without a GPU reads
+// each picture back to put the page together, and stops the page until all of it is drawn: keys,
+// pointers and tiles wait. Here the page asks for the pixels, goes on, and shows them when they are
+// there. The canvas that WebGL draws on is not in the document, so the browser does not read it.
 
 const POLL_MS = 4;
 
@@ -51,7 +51,7 @@ export class Readback {
     return this.shown_;
   }
 
-  /** Shows what has just been drawn as soon as it is there, and calls `placed` then. */
+  /** Shows the picture that has just been drawn as soon as it is there, and then calls `placed`. */
   show(placed: () => void): void {
     this.shown_ = this.show_(placed).catch((problem: unknown) => console.error(problem));
   }

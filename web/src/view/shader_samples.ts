@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects with the materials of what appears later: a tool with a holder, the arrows, and what they
-// draw into the shadow map. Compiled with the block's before the first picture, they keep the first
-// tool from stopping the page while the browser compiles. They are never drawn.
+// Objects with the materials that appear later: of a tool with a holder, of the arrows, and of
+// their shadow map. Compiled with the block's before the first picture, they keep the first tool
+// from stopping the page while the browser compiles. They are never drawn.
 
 import * as THREE from 'three';
 import { ToolView } from './tool_view';
@@ -29,7 +29,7 @@ export function carverSample(): THREE.Group {
   return sample.add(tool.group, new WrenchView().group);
 }
 
-/** What the shadow map draws of an object's parts: their depth. */
+/** Returns the parts of an object as the shadow map draws them: by their depth. */
 export function shadowSample(object: THREE.Object3D): THREE.Group {
   const sample = new THREE.Group();
   object.traverse((part) => {

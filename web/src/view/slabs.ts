@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds rectangles of slabs, to draw them with fewer triangles. A slab is a tile with one horizontal
-// square above and one below, as of stock that nothing has cut. The rim of a rectangle keeps the
-// corners of its tiles, so that it fits what is around it as exactly as they do.
+// Finds rectangles of slabs, to draw them with fewer triangles. A slab is a tile with one
+// horizontal square above and one below, as of stock that nothing has cut. The rim of a rectangle
+// keeps the corners of its tiles, so that it fits its surroundings as exactly as they do.
 
 const VERTICES = 8;
 const INDICES = 12;

@@ -251,7 +251,7 @@ export class Stage {
     const ready = [this.scene, objects].map((part) =>
       this.renderer.compileAsync(part, camera, this.scene),
     );
-    // What is drawn into a texture has programs of its own.
+    // Objects drawn into a texture have programs of their own.
     const texture = new THREE.WebGLRenderTarget(1, 1);
     this.renderer.setRenderTarget(texture);
     ready.push(this.renderer.compileAsync(shadows, camera, this.scene));

@@ -38,7 +38,7 @@ uniform float stockGrain;
 uniform float stockDetail; // radius of curvature of a fully shaded valley, mm
 uniform float stockCurvature; // 1: colors show the curvature
 
-// Growth rings of a log whose pith lies beside the block, unevenly spaced; they fade where they
+// Growth rings of a log whose pith is outside the block, unevenly spaced; they fade where they
 // would be finer than a pixel.
 float growthRing(vec3 p) {
   vec3 q = (p - 0.5 * (stockMin + stockMax)) / length(stockMax - stockMin);
@@ -117,7 +117,7 @@ export class StockMaterial {
     this.uniforms_.stockDetail.value = Math.max(2.5 * pitchMm, min.distanceTo(max) / 90);
   }
 
-  /** Hides what is in front of a plane; null: nothing. */
+  /** Hides everything in front of a plane; null hides nothing. */
   setClip(plane: THREE.Plane | null): void {
     this.material.clippingPlanes = plane ? [plane] : null;
     this.material.clipShadows = true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tiles of a square of the block as one mesh, which is one draw call: without a GPU, and on
 // phones, a call costs more than the few triangles of a tile. Each tile has a part of the vertices
-// and of the indices, and only what was replaced goes to the GPU.
+// and of the indices, and only replaced parts go to the GPU.
 
 import * as THREE from 'three';
 import { tileAt } from '../model/tiles';
@@ -9,7 +9,7 @@ import { ORIGINAL_ATTRIBUTE } from './parsed_tiles';
 import { slabOf, slabRectangles } from './slabs';
 import type { Slab } from './slabs';
 
-/** Length of new arrays relative to what the tiles need, so that tiles may grow. */
+/** Length of new arrays relative to the need of the tiles, so that tiles may grow. */
 const CAPACITY = 1.5;
 
 /** Length of a tile's part likewise, once it has outgrown one: carved on, it grows again. */
@@ -70,7 +70,7 @@ class Arrays {
   }
 }
 
-/** Where the values of an attribute are, and what an integer of it stands for. */
+/** Where the values of an attribute are, and the meaning of its integers. */
 function valuesOf(attribute: THREE.BufferAttribute | THREE.InterleavedBufferAttribute): Values {
   const { array, normalized } = attribute;
   const unit = normalized ? THREE.MathUtils.denormalize(1, array as Int8Array) : 1;
@@ -256,7 +256,7 @@ export class TileSquare {
     );
   }
 
-  /** Triangles without area take what is left of a part. */
+  /** Triangles without area fill the rest of a part. */
   private fillIndices_({ firstIndex, indices }: Part, vertices: ArrayLike<number>): void {
     const { index } = this.arrays_;
     index.array.set(vertices, firstIndex);

@@ -79,7 +79,7 @@ export class TileView {
     return [...this.squares_.values()].map((square) => square.copy());
   }
 
-  /** Returns what says of a tile's vertices whether they are on the surface of the untouched stock. */
+  /** Returns a test of a tile's vertices: whether one is on the surface of the untouched stock. */
   originalOf({ geometry }: DisplayedTile): (vertex: number) => boolean {
     const original = geometry.attributes[ORIGINAL_ATTRIBUTE];
     return (vertex) => original !== undefined && original.getX(vertex) > 0.5;

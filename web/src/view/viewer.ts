@@ -34,7 +34,7 @@ const ARROW_FRACTION = 0.34; // length of a full-scale arrow relative to the blo
 export interface Layer {
   /** Draws over the picture. */
   draw?: (renderer: THREE.WebGLRenderer, camera: THREE.Camera) => void;
-  /** A picture was drawn: what is not drawn with it can be put into its place. */
+  /** A picture was drawn: elements that it lacks can be put in position. */
   drawn?: (camera: THREE.Camera, width: number, height: number) => void;
 }
 
@@ -175,7 +175,7 @@ export class Viewer {
     return [Math.min(...x), Math.min(...y), Math.max(...x), Math.max(...y)];
   }
 
-  /** Where the camera's target is in the picture, CSS pixels: the middle of what no panel covers. */
+  /** Position of the camera's target, CSS pixels: the middle of the area without panels. */
   get middle(): [x: number, y: number] {
     return this.seen_(this.rig.controls.target.clone());
   }
@@ -339,7 +339,7 @@ export class Viewer {
     return this.readback_?.shown ?? Promise.resolve();
   }
 
-  /** Compiles the shaders beside the rest of the page, where the browser can, before it draws. */
+  /** Compiles the shaders in parallel with the page, where the browser can, before it draws. */
   private async compile_(): Promise<void> {
     const samples = new THREE.Group().add(this.tiles.sample(), carverSample());
     await this.stage.compile(samples, this.rig.camera);
@@ -379,7 +379,7 @@ export class Viewer {
     this.place_(camera, this.model.tiles.complete);
   }
 
-  /** Shows what has been drawn, if that is not on the page's canvas already. */
+  /** Shows the picture that has been drawn, if it is not on the page's canvas already. */
   private present_(): void {
     if (!this.readback_) return;
     this.begun_ += 1;
@@ -388,7 +388,7 @@ export class Viewer {
     this.readback_.show(() => this.place_(camera, complete));
   }
 
-  /** Puts what is drawn with HTML into its place in the picture that is shown now. */
+  /** Positions the elements of HTML in the picture that is shown now. */
   private place_(camera: THREE.Camera, hasBlock: boolean): void {
     this.shown_ += 1;
     mark('picture');

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON control messages between an agent and the server: what this page sends, and what it uses of
-// the answers. Unknown fields and types are skipped.
+// JSON control messages between an agent and the server: the messages that this page sends, and the
+// fields of the answers that it uses. Unknown fields and types are skipped.
 
 import { colorOf, flag, number, object, text } from './json_fields';
 import type { Json } from './json_fields';
@@ -47,7 +47,7 @@ export interface AgentWelcome {
   others: string[];
 }
 
-/** What has come of an `undo` or `redo`; with a code nothing has changed. */
+/** The outcome of an `undo` or `redo`; with a code nothing has changed. */
 export interface StrokeAnswer {
   type: 'stroke';
   undone: boolean;

@@ -5,7 +5,7 @@
 export const MESH_SUMMED = 4;
 export const SUMMED_HEADER_BYTES = 40;
 
-/** @param start the checksum of what comes before */
+/** @param start the checksum of the preceding bytes */
 export function checksum(bytes: Uint8Array, start = 0): number {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const step = (sum: number, word: number): number => {

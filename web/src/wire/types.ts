@@ -263,7 +263,7 @@ export interface Welcome {
   participants: ParticipantInfo[];
   /** All viewers of the session; more than fifty are counted but not listed. */
   viewers?: number;
-  /** Who this viewer is, and what it may do; missing: everything, on a server without rights. */
+  /** The viewer's role and rights; missing: all rights, on a server without rights. */
   role?: string;
   may?: string[];
   others?: string[]; // the servers that go on with the session when this one is gone
@@ -371,7 +371,7 @@ export interface Pin {
   created_ms: number;
 }
 
-/** Where a camera is and what it looks at. */
+/** The position and the target of a camera. */
 export interface CameraPose {
   eye_mm: Vec3;
   target_mm: Vec3;

@@ -33,7 +33,7 @@ function slope(normal: Vec3): Probed {
   };
 }
 
-/** A ball of 40 mm about the origin, with nothing beside it. */
+/** A ball of 40 mm about the origin, and nothing else. */
 const globe: Probed = {
   hit: ({ origin, direction }) => {
     const along = dot(origin, direction);

@@ -46,7 +46,7 @@ class FakeSocket implements Socket {
   }
 }
 
-/** Writes down what a copy of the block hears. */
+/** Records the calls of a copy of the block. */
 class FakeCopy {
   works = false;
   readonly heard: string[] = [];
@@ -358,7 +358,7 @@ describe('carve link', () => {
     const second = sockets.at(-1)!;
     second.onopen?.();
     second.say({ ...WELCOME, resume: { token: 'ab12', resumed: true, agent_sequence: 9 } });
-    // What is sent again has been cut, and no more is until the server's stock has come.
+    // Samples that are sent again have been cut. No more are cut until the server's stock has come.
     expect(copy.heard).toEqual(joined);
     expect(link.takes).toBe(false);
     stock(second, 0, 1n);

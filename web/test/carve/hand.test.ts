@@ -126,7 +126,7 @@ describe('hand', () => {
     expect(hand.settings.mode).toBe('surface');
     hand.settings.mode = 'plane';
     hand.end(1);
-    expect(hand.settings.mode).toBe('plane'); // what the user has chosen since then
+    expect(hand.settings.mode).toBe('plane'); // the user's choices since then
   });
 
   it('goes on with a stroke while another pointer moves away', () => {

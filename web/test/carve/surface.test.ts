@@ -101,7 +101,7 @@ describe('surface', () => {
     expect(hit.normal[2]).toBeLessThan(0.95);
     expect(ridges.smoothNormal(hit, around, 1.5)[2]).toBeGreaterThan(hit.normal[2]);
     const level = surfaceOf(block(() => -2));
-    const flat = level.hit({ origin: [-20, 0, 30], direction: [0, 0, -1] })!; // half is beside it
+    const flat = level.hit({ origin: [-20, 0, 30], direction: [0, 0, -1] })!; // half misses
     expect(level.smoothNormal(flat, around, 2)).toEqual([0, 0, 1]);
   });
 

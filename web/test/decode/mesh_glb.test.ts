@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The judge of what is read is three.js's GLTFLoader.
+// Compares the reader of mesh frames with three.js's GLTFLoader.
 import { beforeAll, describe, expect, it } from 'vitest';
 import { MeshoptEncoder } from 'meshoptimizer';
 import * as THREE from 'three';
@@ -107,7 +107,7 @@ describe('a mesh frame is rejected', () => {
     const bytes = new DataView(glb.buffer).getUint32(12, true);
     const json = new TextDecoder().decode(glb.subarray(20, 20 + bytes));
     const changed = new TextEncoder().encode(change(json).padEnd(bytes));
-    expect(changed).toHaveLength(bytes); // what is behind it stays where it is
+    expect(changed).toHaveLength(bytes); // bytes behind it keep their offsets
     glb.set(changed, 20);
     return glb;
   };

@@ -35,7 +35,7 @@ describe('the panel of the page without a server', () => {
   });
   afterEach(() => vi.unstubAllGlobals());
 
-  /** Makes a panel whose 3D mouse moves what is recorded in `moves`. */
+  /** Makes a panel that records the moves of its 3D mouse in `moves`. */
   function make(isBusy: () => boolean): {
     preferences: FakeElement;
     moves: string[];

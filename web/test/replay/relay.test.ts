@@ -17,7 +17,7 @@ const NOTICED_MS = 5000;
 const STEP_MS = 200;
 const NOT_PASSED_ON = null;
 
-/** What a relay does with the mesh frame of a number; others pass. */
+/** The relay's action on the mesh frame of a number; all other frames pass. */
 type Fault = (frame: ArrayBuffer, n: number, pass: (frame: ArrayBuffer) => void) => void;
 
 /** Numbers from 0 to 1, equal for equal seeds (mulberry32). */
@@ -133,7 +133,7 @@ describe('a page behind a relay', () => {
     vi.useRealTimers();
   });
 
-  /** The fault of a seed: what it is, and the frame that it concerns. */
+  /** The fault of a seed: its kind, and the frame that it concerns. */
   function faultOf(seed: number): { name: string; at: number; fault: Fault } {
     const random = randomOf(seed);
     const snapshot = frames.filter(({ ms }) => ms === 0).length;

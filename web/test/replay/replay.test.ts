@@ -160,7 +160,7 @@ describe('the past in the page', () => {
     expect(past.isShown).toBe(false);
     expect(local.close).toHaveBeenCalled();
     expect(model.state).toEqual({ ...LIVE, motions: 120 });
-    reach(41, 'state 41'); // what the worker was about to say
+    reach(41, 'state 41'); // the worker's late message
     expect(model.state?.motions).toBe(120);
     local.cover.mockClear();
     past.seek({ type: 'seek', at: 41 });

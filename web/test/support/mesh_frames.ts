@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mesh frames of triangles, and what the page makes of them.
+// Mesh frames of triangles, and the tiles that the page makes of them.
 
 import { readMeshGlb } from '../../src/decode/mesh_glb';
 import type { BufferDecoder } from '../../src/decode/mesh_glb';

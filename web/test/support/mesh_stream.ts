@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Half an hour of what a server has sent to a page that verifies (tests/server/write_mesh_stream),
-// and a server of it, by a simulated clock: it keeps to the credit of two mesh frames and answers
-// pings.
+// Half an hour of frames that a server has sent to a page that verifies
+// (tests/server/write_mesh_stream), and a server of it, by a simulated clock: it keeps to the
+// credit of two mesh frames and answers pings.
 
 import { readFileSync } from 'node:fs';
 import type { Socket } from '../../src/link/socket';
@@ -85,7 +85,7 @@ export class StreamServer implements Socket {
   constructor(
     private readonly parts: readonly StreamPart[],
     private readonly nowMs: () => number,
-    /** Takes what the server sends, and passes it on to the page (arrive). */
+    /** Takes the server's messages, and passes them on to the page (arrive). */
     private readonly relay: Deliver,
   ) {}
 
@@ -101,7 +101,7 @@ export class StreamServer implements Socket {
     if (this.isOpen_) this.onmessage?.({ data });
   }
 
-  /** Sends what is due. */
+  /** Sends the frames that are due. */
   serve(): void {
     while (this.isOpen_) {
       const part = this.parts[this.next_];

@@ -3,7 +3,7 @@
 import { setImmediate } from 'node:timers/promises';
 
 /**
- * One turn of the event loop: what waited for what is there already has gone on. Unlike a timer it
- * takes no time.
+ * Waits for one turn of the event loop, in which all settled promises are handled. Unlike a timer
+ * it takes no time.
  */
 export const turn = (): Promise<void> => setImmediate();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A 3D mouse moves the camera while no tool is in hand: its settings, and what it does once a frame.
+// A 3D mouse moves the camera while no tool is in hand: its settings, and its step of a frame.
 
 import { t } from '../../strings';
 import type { Hid, SpaceMouse } from './space_mouse';

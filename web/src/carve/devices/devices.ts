@@ -48,7 +48,7 @@ export class Devices {
 
   private *pads_(): Generator<Deflection & { presses: Press[] }> {
     for (const pad of navigator.getGamepads()) {
-      if (pad?.mapping !== 'standard') continue; // of others nobody knows what is where
+      if (pad?.mapping !== 'standard') continue; // the button layouts of other mappings are unknown
       let reader = this.readers_.get(pad.index);
       if (!reader) this.readers_.set(pad.index, (reader = new GamepadReader()));
       yield reader.read(pad);

@@ -9,7 +9,7 @@ const [B, Y, LEFT_SHOULDER, RIGHT_SHOULDER, RIGHT_TRIGGER, PAD_LEFT, PAD_RIGHT] 
 ];
 const PRESSED = 0.05; // of a trigger
 
-/** What a press of a button asks for. */
+/** The action of a button. */
 export type Press = 'undo' | 'redo' | 'next' | 'before';
 const PRESSES: readonly [number, Press][] = [
   [B, 'undo'],

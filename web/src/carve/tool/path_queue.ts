@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is to be sent, in order: the poses of the tool's path, and requests between them. Strokes of
-// which nothing is sent yet are undone and redone here; of the others the server is asked.
+// The queue of poses of the tool's path, with the requests between them, in the order of sending.
+// Strokes of which nothing is sent yet are undone and redone here, all others by the server.
 
 import type { AgentHello, AgentRequest } from '../../wire/agent_control';
 import type { Vec3 } from '../../wire/types';
@@ -76,7 +76,7 @@ export class PathQueue {
     return stroke !== null;
   }
 
-  /** Redoes what was undone last. Returns whether that was undone here. */
+  /** Redoes the last undone stroke. Returns whether that was undone here. */
   redo(): boolean {
     const stroke = this.undone_.pop() ?? null;
     for (const pose of stroke ?? []) this.put_(pose);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the frames of a headset cost: the time that the page's script takes, draw calls, triangles.
+// The cost of a headset's frames: time of the page's script, draw calls, triangles.
 
 const KEPT = 512;
 

@@ -43,7 +43,7 @@ export class Headset {
     await xr.setSession(session);
   }
 
-  /** Draws the picture; returns what it took. `toPhysical`: from the block to physical space. */
+  /** Draws the picture. Returns its cost. `toPhysical`: from the block to physical space. */
   draw(toPhysical: THREE.Matrix4, nowMs: number): { calls: number; triangles: number } {
     const { stage } = this.viewer;
     this.physical.matrix.copy(toPhysical).invert();

@@ -16,7 +16,7 @@ export interface VrHost {
   toolbar: HTMLElement;
   /** Says why something is not done. */
   say: (text: string) => void;
-  /** Does what the page does once a frame. */
+  /** Does the page's work of one frame. */
   frame: (nowMs: number) => void;
 }
 
@@ -28,7 +28,10 @@ export interface VrCarving {
   leave: () => void;
 }
 
-/** Adds the button once the browser says that there is a headset. Returns what it is doing; null: nothing. */
+/**
+ * Adds the button once the browser says that there is a headset. Returns a getter of the headset's
+ * state, null while it is off.
+ */
 export function mountVr(host: VrHost, carving: VrCarving): () => VrState | null {
   const { xr } = navigator as { xr?: XRSystem };
   let state: () => VrState | null = () => null;

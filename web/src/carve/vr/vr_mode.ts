@@ -30,7 +30,7 @@ export interface VrHost {
   /** Null: this viewer may only look. */
   wielded: Wielded | null;
   color: string;
-  /** What the page does once a frame: a headset may stop its frames. */
+  /** Does the page's work of one frame: a headset may stop the page's own frames. */
   frame: (nowMs: number) => void;
   ended: () => void;
 }

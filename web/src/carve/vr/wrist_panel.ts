@@ -14,7 +14,7 @@ export interface PanelState {
   /** The force that fills the bar. */
   fullN: number;
   trigger: TriggerMode;
-  /** What is to be said; empty: nothing. */
+  /** The message; empty if there is none. */
   note: string;
 }
 
@@ -86,7 +86,7 @@ export class WristPanel {
     this.mesh.updateMatrix();
   }
 
-  /** What a hand points at, along the grip's -Z. */
+  /** The button that a hand points at, along the grip's -Z. */
   pointAt(grip: Grip | null): PanelAction | null {
     this.pointed_ = grip && this.mesh.visible ? this.actionUnder_(grip) : null;
     return this.pointed_;

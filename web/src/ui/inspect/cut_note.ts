@@ -29,7 +29,7 @@ export class CutNote {
     this.line_.addEventListener('click', () => this.go_());
   }
 
-  /** What was asked is of no interest any more. */
+  /** Shows a text, and drops the answer to the last request. */
   say(text: string): void {
     this.asked_ += 1;
     this.write_(text);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The controls of the comparison with a part: which one, the tolerance, what was found.
+// The controls of the comparison with a part: which one, the tolerance, the result.
 
 import { t } from '../../strings';
 import type { TargetPart } from '../../link/targets';
@@ -56,7 +56,7 @@ export class DeviationControls {
     class: 'deviation-worst',
     'aria-label': t('Largest deviations'),
   });
-  /** The worst places, and what is known of the one that was pressed. */
+  /** The worst points, and a note on the one that was pressed. */
   readonly places = h('div', {}, h('h4', {}, t('Largest deviations')), this.worst_);
   private readonly found_: HTMLElement;
   readonly element: HTMLElement;

@@ -11,7 +11,7 @@ import { figure } from '../format';
 const BINS = 41;
 const WIDTH = 244;
 const HEIGHT = 56;
-/** Of the height: what the smallest share above 0 has, so that outliers are seen. */
+/** Height of the smallest share above 0, relative to the plot, so that outliers are seen. */
 const LEAST = 0.04;
 
 function svg(tag: string, attributes: Record<string, string | number>): SVGElement {

@@ -51,7 +51,7 @@ export class Handle {
     });
   }
 
-  /** @param anchor a point of the plane; `place`: what is read out */
+  /** @param anchor a point of the plane; `place`: the text that is read out */
   show(plane: Plane | null, anchor: Vec3, place: string): void {
     this.plane_ = plane;
     this.anchor_ = anchor;

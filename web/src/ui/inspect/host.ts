@@ -12,7 +12,7 @@ export interface InspectHost {
   session: string | null;
   picture: Picture;
   canvas: HTMLCanvasElement;
-  /** Over the picture, for what follows the block. */
+  /** Over the picture, for elements that follow the block. */
   overlay: HTMLElement;
   toolbar: HTMLElement;
   oneOpen: OneOpen;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panel for sections and measures, and what they do in the picture.
+// The panel for sections and measures, and their effect in the picture.
 
 import { t } from '../../strings';
 import '../style/inspect.css';
@@ -201,7 +201,7 @@ export class InspectPanel implements Layer {
     else tip?.leave();
   }
 
-  /** Whether a note says who cut what is pointed at, or pressed. */
+  /** Whether a note says who cut the surface under the pointer. */
   private get tells_(): boolean {
     return this.owning_?.isOn === true && !this.isPicking_;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The controls of measuring: what is measured, what to press next, and what was found.
+// The controls of measuring: the kind of measure, the next step, and the result.
 
 import { t } from '../../strings';
 import { partsText, POINTS_OF, valueText } from '../../model/measure';

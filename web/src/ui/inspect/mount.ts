@@ -7,7 +7,7 @@ import { ICONS } from '../icons';
 import { lazyPanel } from '../lazy_panel';
 import type { InspectHost } from './host';
 
-/** Adds the button to the toolbar; returns what it does. */
+/** Adds the button to the toolbar. Returns its action. */
 export function mountInspect(host: InspectHost): () => void {
   const open = lazyPanel('panel', async () => {
     const { InspectPanel } = await import('./inspect_panel');

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colors the surface by who cut it, with a legend that tells everybody's share of what was cut. A
-// press on a person leaves the others gray.
+// Colors the surface by who cut it, with a legend that states each participant's share of the cut.
+// Pressing a participant grays out the rest.
 
 import { t } from '../../strings';
 import { OWNER_NUMBERS, OWNER_POINTS_MAX, ownersAt } from '../../link/owners';

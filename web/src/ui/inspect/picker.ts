@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is meant by a place of the picture: the point of the displayed surface, or of the section,
-// moved to a corner or an edge nearby.
+// Maps a point of the picture to a point of the block: the point of the displayed surface, or of
+// the section, moved to a corner or an edge nearby.
 
 import { firstBehind } from '../../model/section';
 import type { Plane } from '../../model/section';

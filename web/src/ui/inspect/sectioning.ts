@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The section plane: where it is, what it shows, and its area.
+// The section plane: its position, its display, and its area.
 
 import type { Camera } from 'three';
 import { Vector3 } from 'three';

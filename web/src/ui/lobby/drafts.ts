@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a new block is made from: a template, a model or a program. A draft has its own part of the
-// form and gives the scene.
+// The source of a new block: a template, a model or a program. A draft has its own part of the form
+// and gives the scene.
 
 import { t } from '../../strings';
 import { describeProgram, uploadMesh } from '../../link/lobby_requests';

@@ -25,7 +25,7 @@ export class Lobby {
   private readonly note_ = h('p', { class: 'fault', role: 'alert', hidden: '' });
   private readonly main_: HTMLElement;
   private mayManage_ = false;
-  private pollFault_ = ''; // what the note says of the list, if it is that
+  private pollFault_ = ''; // the note's text if it is a fault of polling the list
 
   constructor(app: HTMLElement, sessions: readonly SessionSummary[]) {
     this.sessions_ = sessions;

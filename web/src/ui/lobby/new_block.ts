@@ -224,7 +224,7 @@ export class NewBlock {
     return button;
   }
 
-  /** Tells what is wrong with a file, shows the line, and offers to repair a model. */
+  /** Shows a file's error with its line, and offers to repair a model. */
   private async tellFault_(file: File, problem: Error): Promise<void> {
     this.tell_(sentence(problem.message));
     if (!(problem instanceof ServerError)) return;

@@ -5,7 +5,7 @@ import { t } from '../../strings';
 import { h } from '../dom';
 import { numberInput } from '../number_input';
 
-/** What stands before each size, and the name of its input. */
+/** The text before each size, and the name of its input. */
 const BOX = ['X', 'Y', 'Z'].map((axis) => [axis, t('Size along {0}, mm', axis)] as const);
 const CYLINDER = [
   ['⌀', t('Diameter, mm')],

@@ -26,7 +26,7 @@ export class CutControl {
   private latest_: ProgramInfo | null = null;
 
   /**
-   * @param ask for the curve of what a participant has carved
+   * @param ask requests the curve of a participant's cuts
    * @param picked a time of the program; returns its line, if it is known
    * @param feeds along the program, once its path is known
    */

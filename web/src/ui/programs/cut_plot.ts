@@ -187,7 +187,7 @@ export class CutPlot {
     this.place_();
   }
 
-  /** Shows what is known of the place that the user looks at. */
+  /** Shows the values at the time that the user inspects. */
   private place_(): void {
     const { atS_: atS, line_: line } = this;
     this.at_.hidden = atS === null;

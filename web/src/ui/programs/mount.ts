@@ -12,11 +12,11 @@ import type { PathHost } from './path_control';
 import type { ProgramsPanel } from './programs_panel';
 
 /**
- * Adds the button to a toolbar; the panel goes beside it when it is opened first.
+ * Adds the button to a toolbar. The panel is made when it is opened first.
  * @param host the picture, into which it draws the path
  * @param oneOpen closes it when another part opens
  * @param layoutChanged it was opened or closed
- * @returns what opens it with a line of a program
+ * @returns a function that opens it at a line of a program
  */
 export function mountPrograms(
   model: SessionModel,

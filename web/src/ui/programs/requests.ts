@@ -114,7 +114,7 @@ export class ProgramRequests {
     return pathOfAnswer(await this.json_('GET', `/${id}/path?points=${PATH_POINTS}`));
   }
 
-  /** Forces and removal along what a participant has carved; null: nothing yet. */
+  /** Forces and removal along a participant's cuts; null if there are none yet. */
   async cut(participant: number): Promise<ForceCurve | null> {
     const strokes = await listStrokes(this.session);
     const own = strokes.filter((stroke) => stroke.participant === participant);

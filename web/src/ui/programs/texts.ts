@@ -17,7 +17,7 @@ export function duration(seconds: number): string {
   return h > 0 ? `${h}:${two(m)}:${two(s)}` : `${m}:${two(s)}`;
 }
 
-/** What a program is doing, in a few words. */
+/** The state of a program, in a few words. */
 export function stateText(program: ProgramInfo): string {
   switch (program.state) {
     case 'queued':

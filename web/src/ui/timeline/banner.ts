@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lies over the picture while it shows the past: which point, who carved there, and the button
-// that leads back.
+// The banner over the picture while it shows the past: which point, who carved there, and the
+// button that leads back.
 
 import { t } from '../../strings';
 import { h, setText } from '../dom';

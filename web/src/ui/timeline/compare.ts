@@ -56,7 +56,7 @@ export class Compare {
     });
   }
 
-  /** What the timeline shows. */
+  /** Takes the name of the step that the timeline shows. */
   show(place: string): void {
     this.place_ = place;
     if (this.view_) setText(this.now_, place);

@@ -7,7 +7,7 @@ import { ICONS } from '../icons';
 import { lazyPanel } from '../lazy_panel';
 import type { TimelineHost } from './host';
 
-/** Adds the button to the toolbar; returns what it does. */
+/** Adds the button to the toolbar. Returns its action. */
 export function mountTimeline(host: TimelineHost): () => void {
   const toggle = lazyPanel('timeline', async () => {
     const { Timeline } = await import('./timeline');

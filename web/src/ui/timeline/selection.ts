@@ -19,7 +19,7 @@ export class Selection {
   readonly element = h('p', { class: 'timeline-selection' }, this.text_, this.change_, this.note_);
   private stroke_: Stroke | null = null;
 
-  /** @param change is called with what the button says */
+  /** @param change is called with the change that the button names */
   constructor(change: (change: StrokeChange, stroke: Stroke) => void) {
     this.change_.addEventListener('click', () => {
       if (this.stroke_) change(this.stroke_.undone ? 'redo' : 'undo', this.stroke_);

@@ -287,7 +287,7 @@ export class Strip {
   }
 }
 
-/** A name beside a plot. */
+/** A name at the side of a plot. */
 function plotName({ name, color, height }: (typeof PLOTS)[number]): HTMLElement {
   return h('div', { style: `height:${height}px;--who:var(${color})` }, h('span', {}, name));
 }

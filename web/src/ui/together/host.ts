@@ -13,7 +13,7 @@ export interface TogetherHost {
   name: () => string;
   picture: Picture;
   canvas: HTMLCanvasElement;
-  /** Over the picture, for what follows the block. */
+  /** Over the picture, for elements that follow the block. */
   overlay: HTMLElement;
   oneOpen: OneOpen;
   /** Shows the viewer's camera to others; null: no longer. */

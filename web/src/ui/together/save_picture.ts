@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture as a file: larger than the screen, with the page's background, without what lies over
-// it.
+// The picture as a file: larger than the screen, with the page's background, without the elements
+// over it.
 
 import { t } from '../../strings';
 import type { Viewer } from '../../view/viewer';

@@ -20,7 +20,7 @@ const SOFTWARE: Quality = { pixels: 640, framesPerSecond: 12 };
 /** Frames that wait for the encoder. */
 const QUEUED_MAX = 4;
 
-/** What players know best first; names as in RFC 6381. */
+/** The codecs that most players know first; names as in RFC 6381. */
 const CODECS = [
   ['avc', 'avc1.640028'],
   ['vp9', 'vp09.00.40.08'],

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The outline of a tool, large, with a handle at each point. The numbers beside it say the same to
-// those who do not drag.
+// The outline of a tool, large, with a handle at each point. The number fields next to it state the
+// same for users who do not drag.
 
 import { snapped } from '../../model/profile_draft';
 import type { ProfilePoint } from '../../model/profile_draft';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows what the stock was before the first cut: its surface, translucent, and its edges.
+// Shows the stock before the first cut: its surface, translucent, and its edges.
 
 import * as THREE from 'three';
 import { STLLoader } from 'three/examples/jsm/loaders/STLLoader.js';

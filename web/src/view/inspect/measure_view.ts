@@ -6,7 +6,7 @@ import type { Snapped } from '../../model/snap';
 import type { Vec3 } from '../../wire/types';
 import type { Layer, Viewer } from '../viewer';
 
-/** A line from point to point, and what is written at its place. */
+/** A line from point to point, and the text at it. */
 export interface Figure {
   line: readonly Vec3[];
   place: Vec3;
@@ -85,7 +85,7 @@ export class MeasureView implements Layer {
     this.viewer.touch();
   }
 
-  /** Shows what a press would mean; null: nothing. */
+  /** Shows the point that a press would take; null hides it. */
   point(snapped: Snapped | null): void {
     this.pointerAt_ = snapped?.point ?? null;
     if (snapped) {

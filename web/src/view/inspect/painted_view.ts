@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows a value at every place of the displayed surface, as colors over the tiles. Of each tile
-// questions are sent to the source of the values, and what comes back is drawn. A tile that changes
-// keeps its colors until it has new ones.
+// Shows a value at every point of the displayed surface, as colors over the tiles. Sends the points
+// of each tile to the source of the values, and draws the answers. A tile that changes keeps its
+// colors until it has new ones.
 
 import * as THREE from 'three';
 import type { Valued } from '../../model/owners';
@@ -12,11 +12,11 @@ import type { DisplayedTile } from '../tile_view';
 import type { Viewer } from '../viewer';
 import { VALUE_ATTRIBUTE } from './painted_material';
 
-/** What is shown, and where it comes from. */
+/** The values to show, and their source. */
 export interface Painting {
   /** Shows VALUE_ATTRIBUTE. */
   material: THREE.Material;
-  /** What of a tile is painted. */
+  /** The triangles of a tile that are painted. */
   trianglesOf: (tile: DisplayedTile) => Triangles;
   questionsOf: (triangles: Triangles) => Float32Array<ArrayBuffer>;
   /** Of a question. */
@@ -25,9 +25,9 @@ export interface Painting {
   questionsMax: number;
   /** The answers to questions, in their order. */
   ask: (questions: Float32Array<ArrayBuffer>) => Promise<Answers>;
-  /** What is drawn. */
+  /** Makes the mesh that is drawn. */
   paint: (triangles: Triangles, answers: Answers) => Valued;
-  /** Asks for at most half of the time: answers cost much, and others ask too. */
+  /** Asks for at most half of the time: answers cost much, and other pages ask too. */
   rests?: boolean;
 }
 export type Answers = Float32Array | Uint32Array;
@@ -36,11 +36,11 @@ export type Answers = Float32Array | Uint32Array;
 const SQUARE = 8;
 
 interface PaintedTile extends Valued {
-  /** What is painted. */
+  /** The tile under the paint. */
   tile: DisplayedTile;
 }
 
-/** What is asked of a tile. */
+/** The request for a tile. */
 interface Question {
   tile: DisplayedTile;
   triangles: Triangles;
@@ -111,7 +111,7 @@ export class PaintedView {
     return all === 0 ? 1 : 1 - this.waiting_.length / all;
   }
 
-  /** What is painted, tile by tile. */
+  /** The painted tiles. */
   pieces(): Iterable<Valued> {
     return this.painted_.values();
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the block cut by a plane. What is in front of the plane is clipped; the material in the plane
-// is a hatched cap, drawn where a line of sight leaves the surface behind the plane once more than it
-// enters (counted by parity in the stencil), with the outline of the section over it.
+// Draws the block cut by a plane. Everything in front of the plane is clipped; the material in the
+// plane is a hatched cap, drawn where a line of sight leaves the surface behind the plane once more
+// than it enters (counted by parity in the stencil), with the outline of the section over it.
 
 import * as THREE from 'three';
 import type { Plane, Section } from '../../model/section';
