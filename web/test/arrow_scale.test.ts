@@ -3,7 +3,7 @@ import { describe, expect, it } from 'vitest';
 import { ArrowScale, roundUp125 } from '../src/model/arrow_scale';
 import { ForceHistory } from '../src/model/forces';
 
-it('a history forgets what is older than its window, also when nothing new comes', () => {
+it('a history drops samples older than its window, even if no new ones arrive', () => {
   const history = new ForceHistory(10);
   for (let s = 0; s < 5; ++s) history.push(s, s, 2 * s);
   history.forget(12.5);

@@ -10,7 +10,7 @@ const budget = (query: string, line: unknown = {}): number =>
   viewBudget(new URLSearchParams(query), line);
 
 describe('the budget of a page', () => {
-  it('is stated in its address, in kB/s, within what servers take', () => {
+  it("is stated in its address, in kB/s, within the server's bounds", () => {
     expect(budget('?session=a&budget=200')).toBe(200_000);
     expect(budget('?budget=62.5')).toBe(62_500);
     expect(budget('?budget=1')).toBe(25_000);

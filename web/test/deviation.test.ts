@@ -38,7 +38,7 @@ describe('shares of the surface', () => {
     expect(shareBelow(EVEN, 7)).toBe(1);
   });
 
-  it('count what is exactly as it should be', () => {
+  it('count the surface that is exactly as it should be', () => {
     expect(shareWithin(FLAT, 0.001)).toBeCloseTo(0.8, 2);
     expect(shareWithin([0, 0, 0], 0.001)).toBe(1);
     expect(shareWithin([0.2, 0.2, 0.2], 0.1)).toBe(0);
@@ -50,7 +50,7 @@ describe('shares of the surface', () => {
     expect(shareWithin([], 1)).toBe(0);
   });
 
-  it('in bins are together all of it, with what is beyond the range in the outer ones', () => {
+  it('in bins add up to all of it, with values beyond the range in the outer bins', () => {
     const shares = binShares(EVEN, 0.5, 5);
     expect(shares.reduce((sum, share) => sum + share)).toBeCloseTo(1, 12);
     expect(shares[2]).toBeCloseTo(0.1, 12); // of -0.1 to 0.1

@@ -24,7 +24,7 @@ describe('format', () => {
     expect(volume(49666)).toEqual(['49.7', 'cm³']);
   });
 
-  it('shows felt beside computed where they differ', () => {
+  it('shows felt after computed where they differ', () => {
     expect(feltBeside(18.1, 1 / 6, 'N')).toBe('18.1 N · felt 3.02 (× 0.167)');
     expect(feltBeside(18.1, 0, 'N')).toBe('18.1 N · not felt');
     expect(feltBeside(18.1, 0.995, 'N')).toBe('18.1 N');

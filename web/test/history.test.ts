@@ -18,7 +18,7 @@ function answer(status: number, body: unknown) {
 afterEach(() => vi.unstubAllGlobals());
 
 describe('history', () => {
-  it('lists versions by their records and leaves out what is none', async () => {
+  it('lists versions by their records, without invalid entries', async () => {
     const version = (name: string, record: number) => ({
       ...{ name, record, time_ms: 5, author: '', may_change: false },
     });

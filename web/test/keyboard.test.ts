@@ -44,7 +44,7 @@ describe('a key', () => {
     return preventDefault.mock.calls.length > 0;
   }
 
-  it('does what the help says', () => {
+  it('does as the help says', () => {
     listenToKeys(actions);
     for (const key of ['f', 'N', 'Escape', 'a', 'g', 's', 't', 'i', 'o', 'c', '?'])
       expect(press({ key }), key).toBe(true);

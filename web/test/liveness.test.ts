@@ -50,7 +50,7 @@ describe('liveness', () => {
 });
 
 describe('badge', () => {
-  it('says what the line does: live, silent, reconnecting', () => {
+  it('names the state of the line: live, silent, reconnecting', () => {
     const model = new SessionModel();
     model.setStatus('connected', '');
     run(model.liveness, 0, 1000);

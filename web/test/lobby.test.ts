@@ -146,7 +146,7 @@ describe('the list of strokes', () => {
     expect(asked).toHaveLength(before + 1);
   });
 
-  it('has the names of those who left before the page came', async () => {
+  it('has the names of participants who left before the page came', async () => {
     const stroke = { id: 1, last: 9, participant: 3, tool: 1, begin_ms: 0, end_ms: 9, motions: 9 };
     answers = {
       strokes: { strokes: [{ ...stroke, undone: false }] },

@@ -120,7 +120,7 @@ describe('tiles of the copy', () => {
     expect(local.size).toBe(0);
   });
 
-  it('restore what was there before, and nothing where the server has nothing', () => {
+  it("restore the server's tiles, and nothing where the server has none", () => {
     local.cover([triangle(9)], 40n, ORIGIN);
     local.clear();
     expect(heights()).toEqual([-1]);

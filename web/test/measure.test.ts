@@ -45,7 +45,7 @@ describe('measures', () => {
     expect(faceAngle([0, 0, 1], [SQRT, 0, SQRT])).toBeCloseTo(135, 9);
   });
 
-  it('draws what it measures', () => {
+  it('draws the measured lines', () => {
     const far = distanceOf([1, 2, 3], [4, -2, 3]);
     expect(far).toMatchObject({ value: 5, place: [2.5, 0, 3], parts: [3, 4, 0] });
     expect(depthOf([1, 2, -7.5], 0)).toMatchObject({ value: 7.5, place: [1, 2, -3.75] });

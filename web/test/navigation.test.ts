@@ -42,7 +42,7 @@ function buttonsOf(id: string): {
   return { canvas, mouseButtons, buttons };
 }
 
-describe('what the mouse buttons do', () => {
+describe('the actions of the mouse buttons', () => {
   it('is the default for a name that is unknown', () => {
     expect(navigationOf('maya')).toBe(NAVIGATIONS[0]);
     expect(navigationOf(null)).toBe(NAVIGATIONS[0]);
@@ -90,7 +90,7 @@ describe('what the mouse buttons do', () => {
     expect(mouseButtons.RIGHT).toBe(MOUSE.PAN);
   });
 
-  it('is left alone where others have given the buttons another task', () => {
+  it('is left alone where other code has given the buttons another task', () => {
     const { canvas, mouseButtons } = buttonsOf('solidworks');
     mouseButtons.MIDDLE = MOUSE.PAN; // as while one carves
     canvas.press(1, { shiftKey: true });

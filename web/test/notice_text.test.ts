@@ -47,7 +47,7 @@ describe('the notice over the picture', () => {
     expect(text()).toBe('You were removed. You see the last state.');
   });
 
-  it('shows a sentence for a short time, before what lasts', () => {
+  it('shows a sentence for a short time, before lasting states', () => {
     model.setStatus('connected', '');
     state.hasNoPicture = true;
     state.flash.say('Your stroke was redone.');

@@ -10,7 +10,7 @@ import { turn } from './support/turn';
 const CUT = { record: 12, stroke: 9, participant: 2, tool: 1, begin_ms: 1e12, program: null };
 const AUTHORS = { authors: [{ participant: 2, name: 'Ada', color: '#d9541e', kind: 'agent' }] };
 
-describe('the tip that tells who cut a place', () => {
+describe('the tip that names who cut a point', () => {
   let parent: FakeElement;
   let tip: OwnerTip;
   let model: SessionModel;
@@ -87,7 +87,7 @@ describe('the tip that tells who cut a place', () => {
     expect(shown()).toContain('first.ngcno tool · stroke · ');
   });
 
-  it('asks for names once, and takes those of who is there now', async () => {
+  it('asks for names once, and prefers those of present participants', async () => {
     tip.update('1', 'still', 0);
     await rest(30, 40);
     const info = { participant: 2, name: 'Ada L.', color: '#d9541e', tool: 1, kind: 'agent' };
@@ -105,7 +105,7 @@ describe('the tip that tells who cut a place', () => {
     expect(color().hidden).toBe(true);
   });
 
-  it('asks nothing beside the block, and goes on', async () => {
+  it('asks nothing off the block, and continues after it', async () => {
     isOverBlock = false;
     tip.update('1', 'still', 0);
     await rest(30, 40);

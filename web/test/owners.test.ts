@@ -28,7 +28,7 @@ describe('the middle of a triangle', () => {
 });
 
 describe('triangles with corners of their own', () => {
-  it('have one value at all corners, and leave out what is not wanted', () => {
+  it('have one value at all corners, without the unwanted triangles', () => {
     const made = apart(
       BENT,
       (n) => n === 1,
@@ -59,7 +59,7 @@ describe('distinct colors', () => {
     expect(distinctFrom('#0000ff', ['#ff0000'])).toBe('#0000ff');
   });
 
-  it('are others where somebody before has nearly the same', () => {
+  it('differ where an earlier participant has nearly the same', () => {
     const taken: string[] = [];
     for (let n = 0; n < 6; n += 1) taken.push(distinctFrom('#d9541e', taken));
     expect(taken[0]).toBe('#d9541e');

@@ -62,7 +62,7 @@ describe('participants', () => {
     expect(people.author(5)?.name).toBe('Lin');
   });
 
-  it('who are there have the names of the list, not older ones that the server is asked for', () => {
+  it('who are present have the names of the list, not older ones from the server', () => {
     const people = new Participants();
     people.setList([{ ...ada, name: 'Countess' }]);
     people.learn([{ participant: 1, name: 'Ada', color: '#112233' }]);

@@ -108,7 +108,7 @@ describe('picture', () => {
     expect(picture.look()).toEqual(firstLook(welcome, PHONE, errorRad(844, 3)));
   });
 
-  it('opens the view with what was set before, and then applies the frames that waited', async () => {
+  it('opens the view with the earlier settings, then applies the waiting frames', async () => {
     const model = new SessionModel();
     const { picture } = makePicture(model);
     picture.setMaterial(STOCK_MATERIALS[2]!);
@@ -203,7 +203,7 @@ describe('picture', () => {
     expect(error()).toBe(errorRad(844, 3) / 4);
   });
 
-  it('waits for exact tiles before it calls who needs them', async () => {
+  it('waits for exact tiles before it calls back', async () => {
     const { model, picture, error } = await coarsePicture(40);
     model.setStatus('connected', '');
     const use = vi.fn(() => Promise.resolve(error()));
@@ -236,7 +236,7 @@ describe('picture', () => {
     expect(use).not.toHaveBeenCalled();
   });
 
-  it('refuses what needs exact tiles while there is no connection', async () => {
+  it('rejects requests for exact tiles without a connection', async () => {
     const { model, picture, error } = await coarsePicture(40);
     model.setStatus('stopped', 'gone');
     const use = vi.fn(() => Promise.resolve());

@@ -116,7 +116,7 @@ describe('the form that places a model', () => {
     expect(changes).toBe(0);
   });
 
-  it('shows what was set before', () => {
+  it('shows the earlier settings', () => {
     placement.scale = 3;
     placement.rotateDeg = [1, 2, 3];
     const form = make();

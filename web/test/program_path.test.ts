@@ -151,7 +151,7 @@ describe('nearestInPicture', () => {
     expect(near(50, 52, 8)).toBe(1);
   });
 
-  it('leaves out what is behind the camera', () => {
+  it('leaves out points behind the camera', () => {
     const behind = matrix.map((value, n) => (n === 15 ? -1 : value));
     expect(nearestInPicture(PATH, behind, size, { x: 45, y: 54 }, 40)).toBe(-1);
   });

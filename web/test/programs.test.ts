@@ -139,7 +139,7 @@ describe('the rows in view', () => {
 });
 
 describe('the sentences', () => {
-  it('state what a program does', () => {
+  it('name the state of a program', () => {
     const [running, queued, failed] = golden();
     expect(stateText(running!)).toBe('running, 24 s left');
     expect(stateText(queued!)).toBe('waiting for program 3');

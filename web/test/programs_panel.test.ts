@@ -127,7 +127,7 @@ describe('the panel of programs', () => {
     expect(rows()[0]!.getAttribute('aria-pressed')).toBe('true');
   });
 
-  it('sends the control that is chosen, and says as what a program was read', async () => {
+  it('sends the chosen control, and states the language of a program', async () => {
     await open(program(3, { read_as: 'Haas: line 3 has G154' }));
     expect(all('program-figures')[0]!.textContent).toContain('Read as Haas: line 3 has G154.');
     choose(menu('CNC control of the program'), 'haas');

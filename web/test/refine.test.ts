@@ -86,7 +86,7 @@ describe('divided triangles', () => {
     expect(border).toBeCloseTo(34, 3); // only the border of the plate is open
   });
 
-  it('are what they were where they are small', () => {
+  it('stay as they are where they are small', () => {
     const same = refined(PLATE, 20);
     expect([...same.index]).toEqual([...PLATE.index]);
     expect([...same.positions]).toEqual([...PLATE.positions]);

@@ -77,7 +77,7 @@ describe('lines of sight', () => {
     expect(hitsOf([BOX], [-20, -10, -4], unitOf([2, 1, 0.8]))).toHaveLength(2);
   });
 
-  it('sees the material in the plane where it is cut, and through a hole what is behind', () => {
+  it('sees the material in the cutting plane, and through a hole the surface behind', () => {
     const plane = across([0, 0, 1], 4);
     const down: Vec3 = [0, 0, -1];
     const sight = (x: number, y: number): ReturnType<typeof firstBehind> => {
@@ -169,7 +169,7 @@ describe('planes', () => {
     expect(footOf([1, 2, 9], across([0, 0, 1], 4))).toEqual([1, 2, 4]);
   });
 
-  it('takes the mean normal of a face, not of those beside it', () => {
+  it('takes the mean normal of a face, not of its neighbors', () => {
     const point: Vec3 = [9.5, 4.5, 8];
     expect(normalAround(trianglesNear([BOX], point, 2), [0, 0, 1])).toEqual([0, 0, 1]);
     const tilted = unitOf([0.1, 0, 1]); // as of one rough triangle

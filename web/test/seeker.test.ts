@@ -25,7 +25,7 @@ describe('seeker', () => {
     seeker = new Seeker((seek) => sent.push(seek));
   });
 
-  it('has one request in flight and then sends the latest of the others', () => {
+  it('has one request in flight, then sends the latest of those that waited', () => {
     for (let record = 1; record <= 50; record += 1)
       seeker.ask({ at: record, rate: 0 }, live, 1000 + record);
     expect(sent).toEqual([{ type: 'seek', at: 1 }]);
@@ -94,7 +94,7 @@ describe('seeker', () => {
     expect(sent.map(({ at }) => at)).toEqual([3, 'live']);
   });
 
-  it('asks again for its place, or for what was not answered, after a lost connection', () => {
+  it('repeats its position, or the unanswered request, after a lost connection', () => {
     seeker.ask({ at: 3, rate: 0 }, live, 0);
     seeker.tick(state({ record: 3 }), 100);
     seeker.lost();

@@ -48,7 +48,7 @@ describe('the servers of a session', () => {
     expect(servers.lost('http://owner:81', true)).toBe(true);
   });
 
-  it('are not followed to what is no server, to plain text, or to the same one', () => {
+  it('are not followed to an address that is no server, to plain text, or to the same one', () => {
     const servers = new Servers(`wss://host${AT}`);
     for (const redirect of ['https://owner/elsewhere', 'http://owner', 'https://host', 'owner'])
       expect(servers.lost(redirect, true)).toBe(false);

@@ -32,7 +32,7 @@ describe('the sizes of a stock', () => {
     });
   });
 
-  it('are kept by what has none', () => {
+  it('are kept by a value without one', () => {
     expect(resized(MODEL, [])).toEqual(MODEL);
     for (const stock of [BOARD, PLATE, COLUMN])
       expect(resized(stock, sizesOf(stock))).toEqual(stock);

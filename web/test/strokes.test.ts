@@ -17,7 +17,7 @@ function answer(status: number, body: unknown) {
 afterEach(() => vi.unstubAllGlobals());
 
 describe('strokes', () => {
-  it('are listed from a record on; what is none is left out', async () => {
+  it('are listed from a record on, without invalid entries', async () => {
     const strokes = [stroke(1, 3), { id: 'two' }, null, stroke(9, 4, true)];
     const fetched = answer(200, { strokes });
     expect(await listStrokes('a b', 7)).toEqual([stroke(1, 3), stroke(9, 4, true)]);

@@ -168,7 +168,7 @@ describe('tile view', () => {
     expect(areas(drawn(view))).toEqual(areas(displayed(view)));
   });
 
-  it('draws rectangles of slabs that fit what is around them, whatever changes', () => {
+  it('draws rectangles of slabs that fit their surroundings after any change', () => {
     const view = new TileView(new THREE.MeshBasicMaterial());
     const shapes = [slab(-20, 0), slab(-20, -5), parsed(waves(0, 0, 2)), slab(-20, 0)];
     const side = 24; // two squares in each direction, the second of which is not full
@@ -216,7 +216,7 @@ describe('tile view', () => {
     expect(view.group.children).toHaveLength(16);
   });
 
-  it('gives the GPU what was replaced, not the whole square', () => {
+  it('gives the GPU the replaced part, not the whole square', () => {
     const view = new TileView(new THREE.MeshBasicMaterial());
     const wave = parsed(waves(0, 0, 2));
     for (let n = 0; n < 256; ++n) view.set(wave, n % 16, Math.floor(n / 16), 8);
@@ -232,7 +232,7 @@ describe('tile view', () => {
     expect(sent).toBeLessThan(0.1 * position.array.length);
   });
 
-  it('keeps normals and what is of the original surface', () => {
+  it('keeps normals and the flags of the original surface', () => {
     const view = new TileView(new THREE.MeshBasicMaterial());
     const normals = [0, 0, 1, 0, -1, 0, 1, 0, 0];
     show(view, at(1, 0, -1));
@@ -303,7 +303,7 @@ describe('tile view', () => {
     expect(made.size).toBeLessThan(8);
   });
 
-  it('copies what is displayed, which stays', () => {
+  it('copies the displayed tiles, which stay', () => {
     const view = new TileView(new THREE.MeshBasicMaterial());
     show(view, at(0, 0, -1));
     const [copy] = view.copies();

@@ -44,7 +44,7 @@ describe('the records of the timeline', () => {
     await turn();
   }
 
-  it('asks for all strokes once, then for the open one and what follows', async () => {
+  it('asks for all strokes once, then from the open one on', async () => {
     await tick(0, state(20, 'a'));
     strokes.push(stroke(21, 30));
     for (let n = 1; n <= 20; n += 1) await tick(2000 * n, state(20 + n, `b${n}`));

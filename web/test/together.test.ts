@@ -123,7 +123,7 @@ describe('the headline', () => {
     expect(namesOf(['Ada', 'Grace', 'Bo', 'Cy'])).toBe('Ada, Grace and 2 others');
   });
 
-  it('says who carves what, and with which tool if it is one', () => {
+  it('names the carvers, the block, and the tool if there is one carver', () => {
     expect(sentence(sessionOf([], []))).toBe('|');
     expect(sentence(sessionOf(['Ada'], ['Ada']))).toBe('Ada carves Wall · ball 6 mm|');
     expect(sentence(sessionOf(['Ada', 'Bo'], ['Ada', 'Bo']))).toBe('Ada and Bo carve Wall|');
@@ -147,8 +147,8 @@ describe('the headline', () => {
   });
 });
 
-describe('who joins in', () => {
-  it('is the newest one, for some seconds; not who was there before, nor oneself', () => {
+describe('the newcomer', () => {
+  it('is the newest participant, for some seconds; never an earlier one, nor oneself', () => {
     const newcomers = new Newcomers();
     const present = (...names: string[]) => sessionOf(names, []).participants.all();
     const update = (names: string[], nowMs: number): string =>

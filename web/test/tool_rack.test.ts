@@ -73,7 +73,7 @@ describe('the tools of a new block', () => {
     expect(rack.tools.at(-1)!.profile_mm).toHaveLength(3);
   });
 
-  it('keep what was entered last where a number is no number', () => {
+  it('keep the last valid entry where a number is invalid', () => {
     labelled('Outline of T4, flat 8 mm').click();
     const before = changes;
     enter('Radius of point 2', Number.NaN);

@@ -34,7 +34,7 @@ describe('the name of a viewer', () => {
     expect(named('')).toBe(guest);
   });
 
-  it('is cut to what the server takes', () => {
+  it("is truncated to the server's limit", () => {
     expect(named(`name=${'x'.repeat(70)}`)).toBe('x'.repeat(64));
   });
 });

@@ -201,7 +201,7 @@ describe('aim', () => {
     expect(one.peek(globe, down(90, 0))).toBeNull();
   });
 
-  it('begins no stroke beside the block', () => {
+  it('begins no stroke off the block', () => {
     const aim = aimOf(BALL);
     expect(aim.begin(globe, down(60, 0))).toBeNull();
     expect(aim.move(globe, down(0, 0))).toBeNull();

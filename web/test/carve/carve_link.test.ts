@@ -143,7 +143,7 @@ describe('carve link', () => {
     socket.onmessage?.({ data: bytes.buffer });
   }
 
-  it('joins with name, color and tool, and sends what it is given in messages of 16', () => {
+  it('joins with name, color and tool, and sends its samples in messages of 16', () => {
     const socket = join();
     expect(socket.protocol).toBe('kerf.agent.v1');
     expect(socket.texts).toEqual([
@@ -155,7 +155,7 @@ describe('carve link', () => {
     expect(socket.motions.flat()).toEqual(Array.from({ length: 20 }, (_, n) => n + 1));
   });
 
-  it('continues as the same participant, and sends again what may be missing', () => {
+  it('continues as the same participant, and resends samples that may be missing', () => {
     const first = join();
     link.send(drafts(5));
     first.onclose?.({ code: 1006, reason: '' });
@@ -208,7 +208,7 @@ describe('carve link', () => {
     expect(sockets[2]!.motions.flat()).toHaveLength(3000);
   });
 
-  it('drops what is on the disk, as results state it', () => {
+  it('drops durable samples, as results state them', () => {
     const socket = join();
     link.send(drafts(10));
     answer(socket, 9n, 7n);
@@ -342,7 +342,7 @@ describe('carve link', () => {
     socket.onmessage?.({ data: frame.buffer });
   }
 
-  it('tells the copy of what it sends and gets, once, and acknowledges stock', () => {
+  it('passes sent and received messages to the copy, once, and acknowledges stock', () => {
     copy.works = true;
     const first = join();
     expect(first.texts[0]).toMatchObject({ stock: true, whole: true, returned: true });
@@ -367,7 +367,7 @@ describe('carve link', () => {
     expect(link.takes).toBe(true);
   });
 
-  it('opens the copy again in a block that does not know it, and cuts what it sends there', () => {
+  it('opens the copy again in a block that does not know it, and cuts its samples there', () => {
     copy.works = true;
     const first = join();
     link.send(drafts(3));

@@ -85,7 +85,7 @@ describe('delivery', () => {
     expect(link.log.slice(link.log.indexOf('undo') - 1)[0]).toBe('up');
   });
 
-  it('redoes in reverse order what waited and what the server undid', () => {
+  it('redoes in reverse order the strokes that waited and those that the server undid', () => {
     stroke(1);
     vi.advanceTimersByTime(1000);
     stroke(2);
@@ -96,7 +96,7 @@ describe('delivery', () => {
     expect(link.log.slice(link.log.indexOf('redo') + 1)[0]).toBe('up');
   });
 
-  it('forgets what could be redone when another stroke is drawn', () => {
+  it('forgets undone strokes when another stroke is drawn', () => {
     stroke(1);
     stroke(2);
     expect(path.undo()).toBe(true);
@@ -106,7 +106,7 @@ describe('delivery', () => {
     expect(ends()).toEqual(['join', '100,1', '100,3', 'redo']);
   });
 
-  it('changes the tool after what was drawn with the one before', () => {
+  it('changes the tool after the motions of the earlier one', () => {
     stroke(1);
     path.ask({ type: 'tool', tool: 2 });
     path.ask({ type: 'tool', tool: 3 });
@@ -129,7 +129,7 @@ describe('delivery', () => {
     expect(link.log.slice(-2)).toEqual(['up', 'leave']);
   });
 
-  it('leaves only when the link has sent again what the server may lack', () => {
+  it('leaves only when the link has resent the samples that the server may lack', () => {
     link.waiting = 40;
     delivery.leave();
     vi.advanceTimersByTime(800);

@@ -184,7 +184,7 @@ describe('hand', () => {
     expect(samples().at(-1)).toMatchObject({ tip_mm: [2.5, 0, -1], buttons: 0 });
   });
 
-  it('is drawn and sends nothing before others may see it', () => {
+  it('is drawn and sends nothing before other viewers may see it', () => {
     hand.moveTo({ tip: [1, 0, -1], axis: [0, 0, 1] }, true, false);
     expect(hand.pose!.tip).toEqual([1, 0, -1]);
     expect([hand.isCutting, samples()]).toEqual([false, []]);
@@ -279,7 +279,7 @@ describe('hand', () => {
     expect(cutting.at(-1)!.tip_mm[0]).toBeCloseTo(6);
   });
 
-  it('shows others where it waits, clear of the block', () => {
+  it('shows other viewers where it waits, clear of the block', () => {
     hand.hover(at(3), true);
     expect(samples()).toMatchObject([{ buttons: 0 }]);
     hand.hover(at(5), false);

@@ -125,7 +125,7 @@ describe('sampler', () => {
     expect(sampler.take(1_008_000)[0]!.tip_mm[0]).toBeCloseTo(0.333333, 9);
   });
 
-  it('sends what waits with the tool that drew it, and begins without a motion with another', () => {
+  it('sends waiting poses with the tool that drew them, and begins without a motion with another', () => {
     const sampler = placed();
     sampler.push(at(0), true);
     sampler.push(at(90), true);
@@ -171,7 +171,7 @@ describe('sample log', () => {
     expect(numbers(log.toResend(0n))).toEqual([4, 5, 6, 7, 8, 9]);
   });
 
-  it('counts what is not answered', () => {
+  it('counts unanswered samples', () => {
     const log = new SampleLog();
     log.add(Array.from({ length: 5 }, draft));
     log.answered(3n);

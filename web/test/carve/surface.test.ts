@@ -36,7 +36,7 @@ describe('surface', () => {
     expect(displayed.pieces[0]!.corners()).toEqual(known);
   });
 
-  it.each([bumpy, grooved])('hits what three.js hits', (height) => {
+  it.each([bumpy, grooved])('hits the points that three.js hits', (height) => {
     const view = block(height);
     const surface = surfaceOf(view);
     const next = random(7);

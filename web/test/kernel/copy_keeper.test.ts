@@ -102,7 +102,7 @@ describe('the copy in a worker', () => {
     copy.open('{}');
   });
 
-  it('forgets what it displayed and what was to be meshed when another block opens', () => {
+  it('forgets displayed and waiting tiles when another block opens', () => {
     copy.cut(MOTION, 3n);
     kernel.next = [{ x: 1, y: 2, byPage: true }];
     rest(); // 1,2 is displayed from the copy
@@ -117,7 +117,7 @@ describe('the copy in a worker', () => {
     expect(log).toEqual([]);
   });
 
-  it('meshes what the page has cut, many motions at once', () => {
+  it("meshes the page's cuts, many motions at once", () => {
     copy.cut(MOTION, 3n);
     copy.cut(MOTION, 4n);
     kernel.next = [{ x: 1, y: 2, byPage: true }];
@@ -128,14 +128,14 @@ describe('the copy in a worker', () => {
     expect(log).toHaveLength(1);
   });
 
-  it('tells the force of what the page cuts at once', () => {
+  it("reports the force of the page's cut at once", () => {
     copy.take(STOCK);
     expect(felt).toEqual([]);
     copy.cut(MOTION, 3n);
     expect(felt).toEqual([2.5]);
   });
 
-  it('meshes what others have cut only where the page displays its own', () => {
+  it("meshes other participants' cuts only where the page displays its own tiles", () => {
     kernel.next = [{ x: 1, y: 2, byPage: false }];
     copy.take(STOCK);
     rest();
@@ -157,7 +157,7 @@ describe('the copy in a worker', () => {
     expect(log).toHaveLength(2);
   });
 
-  it('meshes what an undo changes before the server has it', () => {
+  it('meshes the change of an undo before the server has it', () => {
     copy.change(true);
     kernel.next = [{ x: 1, y: 2, byPage: true }];
     rest();

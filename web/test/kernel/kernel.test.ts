@@ -43,7 +43,7 @@ describe.skipIf(!existsSync(FILE))('kerf.wasm', () => {
     kernel = await Kernel.of(await WebAssembly.compile(readFileSync(FILE)));
   });
 
-  it('cuts the motions of the page, and has the surface of what the server has sent', () => {
+  it('cuts the motions of the page, and has the surface that the server has sent', () => {
     kernel.open(JSON.stringify(WELCOME));
     const whole = kernel.hash();
     expect(whole).toMatch(/^[0-9a-f]{16}$/);
@@ -77,7 +77,7 @@ describe.skipIf(!existsSync(FILE))('kerf.wasm', () => {
     expect(Math.max(...mesh.index)).toBe(mesh.positions.length / 3 - 1);
   });
 
-  it('takes back what the server has not cut', () => {
+  it('takes back cuts that the server has not made', () => {
     kernel.open(JSON.stringify(WELCOME));
     const whole = kernel.hash();
     kernel.take(stock(0n));

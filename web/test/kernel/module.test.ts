@@ -13,7 +13,7 @@ function serve(status: number, type: string): void {
   });
 }
 
-describe('a module beside the page', () => {
+describe("a module in the page's folder", () => {
   afterEach(() => vi.unstubAllGlobals());
 
   it('is compiled, whatever type the host gives it', async () => {

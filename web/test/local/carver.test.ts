@@ -175,7 +175,7 @@ describe('the worker that carves', () => {
     expect(last()).toMatchObject({ hash: 'state 1000' });
   });
 
-  it('tells why files cannot be read, and reads others', async () => {
+  it('reports why files cannot be read, and reads other ones', async () => {
     [block.fault, block.faultAt] = ['a.ngc:3: no', -1];
     await carver.receive({ type: 'open', files: NO_FILES });
     expect(last()).toEqual({ type: 'rejected', reason: 'a.ngc:3: no' });
@@ -185,7 +185,7 @@ describe('the worker that carves', () => {
     expect(last()).toMatchObject({ hash: 'state 1000' });
   });
 
-  it('keeps what is carved before a motion that cannot be', async () => {
+  it('keeps the cuts before a motion that cannot be carved', async () => {
     [block.fault, block.faultAt] = ['a.ngc:9: turns too far', 321];
     await carver.receive({ type: 'open', files: NO_FILES });
     run();
@@ -221,7 +221,7 @@ describe('the worker that carves', () => {
     expect(last()).toMatchObject({ hash: 'state 400', tiles: [] });
   });
 
-  it('says what the tiles of a journal must show', async () => {
+  it('states the digests that the tiles of a journal must have', async () => {
     await carver.receive({ type: 'digests' });
     expect(posted).toEqual([]); // nothing was read
     await open(40, true);
@@ -312,7 +312,7 @@ describe('the worker that carves', () => {
     expect(block.carved).toBe(MOTIONS);
   });
 
-  it('carves what a hand does at once, and computes the hash when it rests', async () => {
+  it("carves a hand's motions at once, and computes the hash when it rests", async () => {
     await carver.receive({ type: 'open', files: NO_FILES });
     run();
     await carver.receive(HAND);

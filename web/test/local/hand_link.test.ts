@@ -101,7 +101,7 @@ describe('the link of a hand to the page that has the block', () => {
     expect(numbers).toEqual(Array.from({ length: 21 }, (_, n) => n + 1));
   });
 
-  it('waits for a worker that is behind, and feels what it answers', () => {
+  it('waits for a worker that is behind, and feels its answers', () => {
     join();
     link.send(drafts(300));
     expect(link.takes).toBe(false);

@@ -35,7 +35,7 @@ describe('a file that is no good journal', () => {
     await expect(readKerfFile(notes)).rejects.toThrow(/^this is not a KERF file$/);
   });
 
-  it('is called damaged, with the words of SQLite and what to do', async () => {
+  it("is called damaged, with SQLite's message and a remedy", async () => {
     const bytes = await marked();
     const broken = bytes.slice(0, bytes.length / 2).fill(0xa5, 4096);
     await expect(readKerfFile(broken)).rejects.toThrow(

@@ -63,7 +63,7 @@ describe('the folder of a module', () => {
     return new TextDecoder().decode(new Uint8Array(memory.buffer, 8192, count));
   }
 
-  it('gives what was put into it', () => {
+  it('returns the files that were put into it', () => {
     folder.put('part.ngc', TEXT.encode('G1 X5'));
     const fd = open('./part.ngc', 0);
     expect(read('fd_read', fd, 3)).toBe('G1 ');
@@ -84,7 +84,7 @@ describe('the folder of a module', () => {
     expect(calls['sched_yield']!()).toBe(52);
   });
 
-  it('keeps what is written, also over what was written before and in large files', () => {
+  it('keeps written bytes, also over earlier ones and in large files', () => {
     const fd = open('model', NEW);
     for (let n = 0; n < 100; n += 1) expect(write(fd, 'x'.repeat(2000))).toBe(OK);
     expect(calls['fd_seek']!(fd, 4n, 0, 64)).toBe(OK);

@@ -173,7 +173,7 @@ describe('the check of a session', () => {
   });
   afterEach(() => vi.unstubAllGlobals());
 
-  it('replays all records the first time, and then those behind what was verified', async () => {
+  it('replays all records the first time, then those after the verified ones', async () => {
     expect(await run()).toEqual({ is: 'verified', record: 100, hash: hashOf(100) });
     expect(asked).toEqual(['replay', 'records?journal=j&first=1&last=100', 'origin?journal=j']);
     expect(verdicts).toContainEqual({ is: 'running', share: 0.5 });
@@ -257,7 +257,7 @@ describe('the check of a session', () => {
     expect(pauses).toBeGreaterThanOrEqual(100);
   });
 
-  it('replays what was carved meanwhile', async () => {
+  it('replays the motions carved meanwhile', async () => {
     picture = { ...pictureOf(90), hash: null };
     paused = () => {
       record = 120;

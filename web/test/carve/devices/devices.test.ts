@@ -17,7 +17,7 @@ function pad(axes: number[], held: Record<number, number> = {}, mapping = 'stand
 }
 
 describe('a deflection', () => {
-  it('is nothing in the middle, fine beside it, and whole at the end', () => {
+  it('is zero in the middle, fine near it, and whole at the end', () => {
     expect([eased(0.1), eased(-0.1)]).toEqual([0, -0]);
     expect(eased(0.56)).toBeCloseTo(0.25, 9);
     expect([eased(1), eased(-1), eased(1.2)]).toEqual([1, -1, 1]);
@@ -189,7 +189,7 @@ describe('Devices', () => {
     expect(done).toEqual([]);
   });
 
-  it('do not move by pads of which nobody knows what is where', () => {
+  it('do not move by pads with an unknown layout', () => {
     const { wielded, done } = wield();
     const odd = pad([1, 1, 1, 1], {}, '');
     devicesOf(wielded, () => [odd]).tick(10);

@@ -43,7 +43,7 @@ describe('Controllers', () => {
     expect(steps).toEqual([0, -1, 0, 0, 0, 0, 1]);
   });
 
-  it('leave out what is not tracked, and hands without buttons', () => {
+  it('leave out untracked controllers, and hands without buttons', () => {
     const controllers = new Controllers();
     expect(controllers.read([right(1)], () => undefined).size).toBe(0);
     const hand = { handedness: 'left', gripSpace: {} } as unknown as XRInputSource;

@@ -50,7 +50,7 @@ describe('Placement', () => {
     expectAt(inPhysical(placement, 20, 0, 0), 0.3 + dz, before.y + 0.2, -0.3 - dx);
   });
 
-  it('keeps under both hands what they hold when they scale and turn it', () => {
+  it('keeps the held points under both hands when they scale and turn it', () => {
     const placement = standing();
     const held = [inPhysical(placement, -20, 0, 0), inPhysical(placement, 20, 0, 0)] as const;
     const { scale } = placement;
