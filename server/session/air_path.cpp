@@ -9,16 +9,15 @@
 namespace kerf {
 namespace {
 
-/// Most motions of one joined motion; every new motion is compared with all of them.
+/// Maximum number of motions joined into one. Each new motion is compared with all of them.
 constexpr std::size_t kJoinedMax = 256;
-/// Greatest relative difference of the speeds of joined motions: what rounding to the pose grid
-/// changes.
+/// Maximum relative difference of the speeds of joined motions, caused by rounding to the pose
+/// grid.
 constexpr double kSpeedTolerance = 1e-3;
 
 using Range = std::array<double, 2>;
 
-/// Extent of a tool along one coordinate, `axis` being that coordinate of its axis: that of the
-/// cylinder around it.
+/// Returns the extent, along one coordinate, of the cylinder around a tool.
 Range extent(const MoveTool& move, const Tool& tool, double Vec3::* coordinate) {
   const double axis = move.from.axis.*coordinate;
   const double side = tool.whole_radius_mm * std::sqrt(std::max(0.0, 1 - axis * axis));
@@ -77,7 +76,7 @@ bool AirPath::continues(const MoveTool& move) const {
   if (!(speed > 0) || std::abs(speed - speed_mm_per_s_) > kSpeedTolerance * speed_mm_per_s_) {
     return false;
   }
-  // Backwards, the same line would be travelled twice.
+  // A reversal would retrace the path.
   const Vec3 ahead = joined_->to.tip_mm - joined_->from.tip_mm;
   if (dot(ahead, move.to.tip_mm - move.from.tip_mm) <= 0) return false;
   const auto is_near = [&](Vec3 tip) {

@@ -15,8 +15,8 @@ namespace kerf {
 
 namespace {
 
-/// Time between two looks whether a tool is clear of the stock that has come back around it: one
-/// takes as long as a motion.
+/// Interval between two checks whether a tool is clear of returned stock. A check costs as much as
+/// a motion.
 constexpr std::uint64_t kInStockUs = 10'000;
 
 }  // namespace
@@ -103,7 +103,7 @@ Carving::Applied Carving::cut_recorded(ParticipantId id, const MoveTool& move,
   if (reach > kTilesPerTurn) {
     auto pieces = sculpture_.begin(move);
     if (!pieces) return std::unexpected(to_rejection(pieces.error()));
-    // Hashes of earlier records are out of date from now on.
+    // Invalidates the hashes of earlier records.
     journal_.note_removal();
     cuts_.emplace(id, Cut{move, *std::move(pieces), journal_.sequence()});
     return advance(id, tiles);
@@ -152,15 +152,15 @@ void Carving::note(ParticipantId id, const MotionResult& result) {
   motions_applied_.fetch_add(1, std::memory_order_relaxed);
   changed_.insert(result.changed_tiles.begin(), result.changed_tiles.end());
   participants_.note_cut(id, result.cut_tiles);
-  // Not `changed_tiles`: rays along X and Y may be shortened where those along Z, which viewers
-  // display, are not.
+  // Do not use `changed_tiles`: rays along X and Y may be shortened where the displayed rays, those
+  // along Z, are not.
   if (result.removed_mm3 > 0) journal_.note_removal();
 }
 
 std::expected<std::optional<MoveTool>, Rejection> Carving::read_sample(
     ParticipantState& state, const wire::MotionSample& sample, Batch& batch) {
   if (sample.agent_sequence <= state.last_sequence) {  // a resent sample
-    // From it the motions to new ones begin. It was judged when it came for the first time.
+    // The next new motion begins here. The sample was validated when it first came.
     if (state.has_resumed) {
       state.newest_us = sample.time_us;
       (void)state.track.take(sample, sculpture_, state.speed_mm_per_s);
@@ -212,7 +212,8 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
   return std::nullopt;
 }
 
-/// Stock has come back around the tool: until it is clear, it neither cuts nor is pushed.
+/// Rejects motions of a tool that returned stock surrounds, until it is clear. It neither cuts nor
+/// is pushed.
 std::optional<Rejection> Carving::leave_stock(ParticipantState& state,
                                               const wire::MotionSample& sample) {
   state.in_stroke = false;
@@ -221,7 +222,8 @@ std::optional<Rejection> Carving::leave_stock(ParticipantState& state,
     state.is_in_stock = sculpture_.is_in_stock(state.track.tool(), *state.track.pose());
   }
   if (!cuts(sample)) return std::nullopt;
-  if (!state.is_in_stock) {  // the motion out of it is not cut; the agent's replica has cut it
+  if (!state.is_in_stock) {  // the motion out of the stock is not cut here, but the agent's replica
+                             // has cut it
     if (state.stock) state.stock->reset();
     return std::nullopt;
   }
@@ -229,7 +231,7 @@ std::optional<Rejection> Carving::leave_stock(ParticipantState& state,
                           "stock has come back around the tool: lift the tool out of it");
 }
 
-/// Works on a batch for one turn; true if it is complete.
+/// Works on a batch for one turn. Returns true once it is complete.
 bool Carving::work(ParticipantState& state, Batch& batch) {
   std::int64_t tiles = kTilesPerTurn;
   if (const auto cut = cuts_.find(state.participant.id); cut != cuts_.end()) {
@@ -289,7 +291,7 @@ bool Carving::finish_left() {
   if (left_.empty()) return false;
   std::int64_t tiles = kTilesPerTurn;
   const ParticipantId id = left_.back();
-  // The participant may have come back and completed the motion, or complete it with a batch.
+  // The participant may have returned and completed the motion, or may complete it with a batch.
   if (batches_.contains(id) || !cuts_.contains(id) || advance(id, tiles)) left_.pop_back();
   return !left_.empty();
 }

@@ -35,12 +35,12 @@ struct MotionAnswer {
   std::optional<wire::ToolState> felt;  ///< tool of the participant named by `feel_of`, if present
 };
 
-/// Work of one turn of the executor, in tiles of 32 x 32 columns: a motion that reaches more is cut
-/// in pieces, and a batch that has reached as many goes on later. A tile takes up to 60 us.
+/// Work of one turn of the executor, in tiles of 32 x 32 columns. A motion that reaches more is cut
+/// in pieces. A batch that has used up its turn continues in a later one. A tile takes up to 60 us.
 inline constexpr std::int64_t kTilesPerTurn = 128;
 
-/// Turns samples and program motions into commands and applies them to the sculpture, each in the
-/// order validate, journal, apply. Runs on the session's executor.
+/// Turns samples and program motions into commands: validates, journals and applies each one, in
+/// this order. Runs on the session's executor.
 class Carving {
  public:
   /// The references must outlive this.
@@ -48,40 +48,38 @@ class Carving {
           Participants& participants);
 
   /// Carves a batch of samples of one participant, which has no other batch in progress. A rejected
-  /// sample changes nothing and does not stop the samples after it. Returns nothing if the batch is
-  /// more work than one turn: then go_on() must be called until it returns the answer.
+  /// sample changes nothing and does not stop the samples after it. Returns nullopt if the batch is
+  /// more work than one turn: the caller then repeats go_on() until it returns the answer.
   std::optional<MotionAnswer> move(ParticipantState& state,
                                    std::span<const wire::MotionSample> samples);
-  /// Keeps a batch, which must be the only one of its participant, until go_on() carves all batches
-  /// that wait then.
+  /// Queues the only batch of a participant. The next go_on() carves all queued batches.
   void wait(ParticipantState& state, std::span<const wire::MotionSample> samples);
-  /// Carves for a further turn; the answer if the batch is complete. Batches that wait are carved
-  /// together, on `workers`, one sample of each after the other, in the order of arrival.
+  /// Carves for another turn. Returns the answer once the batch is complete. Queued batches are
+  /// carved together on `workers`: one sample of each in turn, in order of arrival.
   std::optional<MotionAnswer> go_on(ParticipantState& state, Workers& workers);
   /// Whether a batch of the participant is in progress.
   bool has_batch(ParticipantId id) const { return batches_.contains(id); }
-  /// Carves one motion of a program, and searches it for gouges if the program has a target;
-  /// returns nothing if that is more work than one turn: then the call must be repeated with the
-  /// same motion. What others cut in the tiles of a motion that takes several turns counts as cut
-  /// by it. Consecutive motions through the air are joined (air_path.h): they are applied and
-  /// journaled with the next motion that does not join them. Answers kBusy while the journal has no
-  /// space for programs.
+  /// Carves one motion of a program and searches it for gouges if the program has a target. Returns
+  /// nullopt if that is more work than one turn: repeat the call with the same motion. If a motion
+  /// takes several turns, cuts by other participants in its tiles count as its own. Consecutive air
+  /// motions are joined (air_path.h): they are applied and journaled with the next motion that does
+  /// not join them. Fails with kBusy while the journal has no space for programs.
   std::expected<std::optional<CarvedMotion>, Rejection> move(const ProgramStep& step);
-  /// Shows the tool of a program at a place of the motion that is not carved yet, with the force of
-  /// the one before.
+  /// Shows the tool of a program at a pose along the motion to be carved next, with the force of
+  /// the motion before it.
   void show(ParticipantId id, const ToolPose& pose);
-  /// The program of a participant has ended: applies the motions that are still to be joined.
+  /// Ends the program of a participant: applies the motions that are still being joined.
   void end_program(ParticipantId id);
 
-  /// Applies a command that is in the journal of a followed session, without a force.
+  /// Applies a command from the journal of a followed session, without computing force.
   std::expected<void, Rejection> follow(ParticipantId id, Command command);
 
-  /// The participant leaves. A motion of it that is in the journal must be completed all the same:
-  /// finish_left() does that. The rest of its batch is dropped.
+  /// Removes a participant and drops the rest of its batch. Its journaled motion must still be
+  /// completed: finish_left() does that.
   void leave(ParticipantId id);
-  /// Works for one turn on the motions of participants that have left; false if there are none.
+  /// Works for one turn on motions of participants that have left. Returns false if there are none.
   bool finish_left();
-  /// Whether a motion is cut in part: then the solid is not that of any record of the journal.
+  /// Whether a motion is partly cut, so that the solid matches no record of the journal.
   bool is_between_records() const { return !cuts_.empty(); }
 
   /// A motion that was journaled while tiles were being carved without it.
@@ -89,25 +87,25 @@ class Carving {
     MotionSince motion;
     std::vector<FieldTile> reach;  ///< sorted
   };
-  /// Collects the motions that are journaled from now on, and those that are cut in part.
+  /// Collects the motions journaled from now on, and those that are partly cut.
   void begin_collecting();
   void end_collecting() { since_.reset(); }
   std::size_t collected() const { return since_ ? since_->size() : 0; }
-  /// Whether a motion of one of the records up to this one is cut in part.
+  /// Whether a motion of one of the records up to this one is partly cut.
   bool is_cutting(std::uint64_t record) const {
     return std::ranges::any_of(cuts_,
                                [record](const auto& c) { return c.second.record <= record; });
   }
-  /// Replaces a tile by what the motions up to begin_collecting() leave of it, less those since.
-  /// Returns the volume that came back, mm³.
+  /// Replaces a tile by its state as of begin_collecting(), then cuts it with the motions collected
+  /// since. Returns the volume that came back, mm³.
   double replace(const TileReplacement& tile);
 
-  /// Replaces the regions that are reserved.
+  /// Replaces the reserved regions.
   void reserve(const std::vector<Region>& regions) { reserved_.set(regions); }
 
   /// Returns the tiles changed since the previous call, sorted.
   std::vector<TileIndex> take_changed();
-  /// Time spent on applying motions: what their replay takes, or more.
+  /// Time spent applying motions: an upper bound for their replay.
   std::chrono::microseconds work_time() const {
     return std::chrono::duration_cast<std::chrono::microseconds>(work_time_);
   }
@@ -124,32 +122,33 @@ class Carving {
     MotionInPieces pieces;
     std::uint64_t record;
   };
-  /// Samples of one participant and what has come of them.
+  /// The samples of one participant and their outcome so far.
   struct Batch {
     std::span<const wire::MotionSample> samples;
     std::size_t next = 0;
     BatchSum sum = {};
     MotionAnswer answer = {};
-    std::vector<wire::MotionSample> kept = {};  ///< holds the samples from the second turn on
-    bool waits = false;                         ///< to be carved with others
-    bool is_complete = false;                   ///< `answer` is the answer
+    std::vector<wire::MotionSample> kept = {};  ///< owns the samples from the second turn on
+    bool waits = false;                         ///< to be carved together with other batches
+    bool is_complete = false;                   ///< `answer` is final
   };
   /// A motion that is in the journal and not yet in the block.
   struct Recorded {
     ParticipantState* state;
     Batch* batch;
   };
-  /// Motions of several participants that are applied together, in the order of the journal.
+  /// Motions of several participants that are applied together, in journal order.
   struct Together {
     std::vector<MoveTool> moves;
-    std::vector<Recorded> of;  ///< each
-    /// After them, a motion that is cut in pieces.
+    std::vector<Recorded> of;  ///< author of each motion
+    /// The motion after them, if it is cut in pieces.
     std::optional<std::pair<Recorded, MoveTool>> last = {};
   };
   using Applied = std::expected<std::optional<MotionResult>, Rejection>;
   /// A motion of a program that is searched for gouges.
   struct Searched {
-    std::optional<DexelSnapshot> before = {};  ///< until the motion is complete
+    std::optional<DexelSnapshot> before = {};  ///< the field before the motion, until the motion is
+                                               ///< complete
     CarvedMotion carved = {};
     std::optional<GougeCheck> check = {};
   };
@@ -161,7 +160,7 @@ class Carving {
   void begin_pieces(const Recorded& of, const MoveTool& move, std::int64_t& tiles);
   void apply_together(const Together& round, Workers& workers);
   MotionAnswer answer(ParticipantState& state, Batch& batch);
-  /// What a sample does: the motion that it is to cut, if any.
+  /// Validates a sample. Returns the motion it requests, if any.
   std::expected<std::optional<MoveTool>, Rejection> read_sample(ParticipantState& state,
                                                                 const wire::MotionSample& sample,
                                                                 Batch& batch);
@@ -173,17 +172,17 @@ class Carving {
                                         std::uint64_t agent_sequence = 0);
   void collect(const Command& command);
   Applied apply_recorded(ParticipantId id, const Command& command);
-  /// Whether a participant may cut, and there.
+  /// Returns why a participant may not cut there, if so.
   std::optional<Rejection> judge(ParticipantId id, const MoveTool& move) const;
-  /// Whether a motion may be cut; if so, it is journaled.
+  /// Checks whether a motion may be cut and journals it if so.
   std::expected<void, Rejection> admit(ParticipantId id, const MoveTool& move,
                                        std::uint64_t agent_sequence);
-  /// Begins a motion and works on it for up to `tiles`, which it lowers.
+  /// Begins a motion and works on it for at most `tiles`, which is reduced by the work done.
   Applied apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles,
                 std::uint64_t agent_sequence = 0);
-  /// The same for a motion that is in the journal.
+  /// Like apply(), for a motion that is already in the journal.
   Applied cut_recorded(ParticipantId id, const MoveTool& move, std::int64_t& tiles);
-  /// Works on a motion in pieces of the participant; the result if it is complete.
+  /// Continues the participant's motion in pieces. Returns the result once it is complete.
   std::optional<MotionResult> advance(ParticipantId id, std::int64_t& tiles);
   void note(ParticipantId id, const MotionResult& result);
   std::expected<void, Rejection> apply_air(ParticipantId id);
@@ -198,17 +197,20 @@ class Carving {
   SessionJournal& journal_;
   Participants& participants_;
   AirSpace air_;
-  std::optional<Obstacles> obstacles_;  ///< of a scene that has any
+  std::optional<Obstacles> obstacles_;  ///< set if the scene has any
   Reserved reserved_;
-  std::map<ParticipantId, AirPath> air_paths_;  ///< of programs
-  std::map<ParticipantId, Searched> searched_;  ///< of programs that have a target
+  std::map<ParticipantId, AirPath> air_paths_;  ///< by program
+  std::map<ParticipantId, Searched> searched_;  ///< by program with a target
   std::set<TileIndex> changed_;
-  std::map<ParticipantId, Batch> batches_;  ///< in progress
-  std::vector<ParticipantId> waiting_;      ///< whose batches wait, in the order of arrival
+  std::map<ParticipantId, Batch> batches_;  ///< batches in progress
+  std::vector<ParticipantId> waiting_;      ///< participants with queued batches, in order of
+                                            ///< arrival
   std::map<ParticipantId, Cut> cuts_;
-  std::optional<std::vector<Since>> since_;  ///< set while motions are collected
-  std::uint32_t program_line_ = 0;           ///< of the motion that is recorded; 0: no program's
-  std::vector<ParticipantId> left_;          ///< whose cuts may be in progress
+  std::optional<std::vector<Since>> since_;  ///< set while collecting
+  std::uint32_t program_line_ = 0;           ///< program line of the motion being recorded; 0 if
+                                             ///< none
+  std::vector<ParticipantId> left_;          ///< participants that left, whose cuts may be in
+                                             ///< progress
   Clock::duration work_time_{0};
   std::atomic<std::uint64_t> motions_applied_{0};
   CpuCosts costs_;

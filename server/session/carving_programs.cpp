@@ -8,15 +8,15 @@
 namespace kerf {
 namespace {
 
-/// Work of one turn in the search for gouges, in distances from the part: some 0.3 ms.
+/// Work of one turn in the search for gouges, in distance computations: about 0.3 ms.
 constexpr std::size_t kDistancesPerTurn = 300;
-/// Places along a motion at which obstacles are looked for: some 0.3 ms.
+/// Maximum number of poses along a motion that are checked against obstacles: about 0.3 ms.
 constexpr int kObstaclePlacesMax = 200;
 
 }  // namespace
 
-/// The first rapid that is clear of the stock and a change of the tool end a stroke, so that undo
-/// takes one pass of a program and not all of it.
+/// Ends the stroke at a tool change and at the first rapid clear of the stock, so that undo takes
+/// back one pass of a program instead of all of it.
 void Carving::end_stroke(const ProgramStep& step, const MoveTool& move, const Tool& tool) {
   ParticipantState* state = participants_.find(step.participant);
   if (state == nullptr) return;
@@ -29,7 +29,7 @@ void Carving::end_stroke(const ProgramStep& step, const MoveTool& move, const To
 std::expected<void, Rejection> Carving::apply_air(ParticipantId id) {
   const auto found = air_paths_.find(id);
   if (found == air_paths_.end() || !found->second.joined()) return {};
-  // A motion that meets no stock is little work, however many tiles it crosses.
+  // A motion that meets no stock is cheap, however many tiles it crosses.
   const Command command = *found->second.joined();
   if (auto ok = record(id, command); !ok) return ok;
   if (auto done = apply_recorded(id, command); !done) return std::unexpected(done.error());
@@ -97,7 +97,7 @@ CarvedMotion Carving::carved_of(const ProgramStep& step, const MotionResult& don
   return carved;
 }
 
-/// Searches the motion that a program has completed for gouges; nothing if that is to go on.
+/// Searches a completed motion of a program for gouges; nullopt while the search is unfinished.
 std::optional<CarvedMotion> Carving::search_on(ParticipantId id) {
   const CpuCosts::Meter meter(costs_, id);
   const auto found = searched_.find(id);

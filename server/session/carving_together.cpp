@@ -34,8 +34,8 @@ std::optional<MotionAnswer> Carving::go_on(ParticipantState& state, Workers& wor
   return complete;
 }
 
-/// Carves what waits, for a turn of as much work as the workers do in the time that one participant
-/// may take.
+/// Carves the queued batches for one turn: as much work as all workers do in one participant's
+/// turn.
 void Carving::carve_waiting(Workers& workers) {
   std::int64_t tiles = kTilesPerTurn * workers.count();
   while (tiles > 0 && !waiting_.empty()) {
@@ -47,7 +47,7 @@ void Carving::carve_waiting(Workers& workers) {
                            static_cast<double>(std::max<std::size_t>(1, round.of.size()));
     for (const Recorded& motion : round.of) costs_.add(motion.state->participant.id, share_s);
     if (round.last) {
-      // One thread cuts it while the others wait.
+      // One thread cuts it while the other threads wait.
       std::int64_t alone = std::max<std::int64_t>(1, tiles / workers.count());
       tiles -= workers.count() * alone;
       begin_pieces(round.last->first, round.last->second, alone);
@@ -66,9 +66,10 @@ void Carving::carve_waiting(Workers& workers) {
   }
 }
 
-/// Takes samples of the batches that wait, one of each at a time, until this turn has work enough.
-/// A sample that is no motion begins a new round for its batch: it touches what is left by the
-/// motions before it, or keeps their force. Those of others it may not see yet.
+/// Collects samples of the queued batches, one of each in turn, until there is work for this turn.
+/// A sample that is no motion ends the round for its batch: it touches the stock left by its
+/// batch's earlier motions, or keeps their force. Motions of other batches in the round may stay
+/// invisible to it.
 void Carving::collect_round(Together& round, std::int64_t& tiles) {
   std::vector<ParticipantId> left = waiting_;
   while (!left.empty()) {
@@ -105,7 +106,8 @@ void Carving::take_next(ParticipantState& state, Batch& batch, Together& round,
   state.cuts = true;
   const std::int64_t reach = sculpture_.tiles_in_reach(**move);
   if (reach > kTilesPerTurn) {
-    // It is cut in pieces, in turns of its own, after the motions before it in the journal.
+    // A large motion is cut in pieces, in its own turns, after the motions before it in the
+    // journal.
     batch.waits = false;
     round.last = {{&state, &batch}, **move};
     return;
@@ -115,7 +117,7 @@ void Carving::take_next(ParticipantState& state, Batch& batch, Together& round,
   round.of.push_back({&state, &batch});
 }
 
-/// Begins to cut a motion in pieces; go_on() continues with it and with the rest of its batch.
+/// Begins to cut a motion in pieces. go_on() continues it and the rest of its batch.
 void Carving::begin_pieces(const Recorded& of, const MoveTool& move, std::int64_t& tiles) {
   const CpuCosts::Meter meter(costs_, of.state->participant.id);
   const auto result = cut_recorded(of.state->participant.id, move, tiles);
@@ -132,7 +134,7 @@ void Carving::apply_together(const Together& round, Workers& workers) {
     note(state->participant.id, result);
     add_motion(batch->sum, sculpture_, round.moves[n], result, state->held);
   });
-  // A replay has one thread.
+  // A replay uses one thread.
   work_time_ += used.count() * (Clock::now() - start);
 }
 

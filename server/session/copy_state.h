@@ -10,14 +10,15 @@
 
 namespace kerf {
 
-/// How far the copy of a session's journal outside this machine goes.
+/// How far the copy of a session's journal on other machines has come.
 struct CopyState {
-  std::uint64_t record = 0;  ///< the last record whose copy was acknowledged
-  std::string fault;         ///< why nothing is copied now, one sentence; empty: it is
+  std::uint64_t record = 0;  ///< last record whose copy was acknowledged
+  std::string fault;         ///< one sentence: why nothing is being copied; empty while copying
+                             ///< works
   friend bool operator==(const CopyState&, const CopyState&) = default;
 };
 
-/// The newest CopyState of a session; nullopt: no copy is made. Thread-safe.
+/// The newest CopyState of a session; nullopt if no copy is made. Thread-safe.
 class CopyNote {
  public:
   void set(CopyState state) {
@@ -29,9 +30,9 @@ class CopyNote {
     const std::lock_guard lock(mutex_);
     return state_;
   }
-  /// CopyState::record; 0 if no copy is made. Waits for nothing.
+  /// CopyState::record; 0 if no copy is made. Does not block.
   std::uint64_t record() const { return record_; }
-  /// The last record of the newest snapshot that was copied; 0: none was.
+  /// Last record of the newest snapshot that was copied; 0 if none was.
   void set_snapshot(std::uint64_t record) { snapshot_ = record; }
   std::uint64_t snapshot() const { return snapshot_; }
 

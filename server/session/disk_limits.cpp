@@ -31,7 +31,7 @@ std::string megabytes(std::uintmax_t bytes) {
 DiskUse measure_disk(const std::filesystem::path& folder) {
   DiskUse use;
   std::error_code error;
-  // Files come and go meanwhile.
+  // Files may appear and disappear during the iteration.
   using Iterator = std::filesystem::recursive_directory_iterator;
   const auto options = std::filesystem::directory_options::skip_permission_denied;
   for (Iterator entry(folder, options, error); !error && entry != Iterator();
@@ -40,7 +40,7 @@ DiskUse measure_disk(const std::filesystem::path& folder) {
     if (entry->is_regular_file(gone)) use.folder += size_of(entry->path());
   }
   const auto space = std::filesystem::space(folder, error);
-  const bool is_known = !error && space.capacity > 0;  // some file systems state nothing
+  const bool is_known = !error && space.capacity > 0;  // some file systems report nothing
   use.free = is_known ? space.available : std::numeric_limits<std::uintmax_t>::max();
   return use;
 }

@@ -6,9 +6,9 @@
 
 namespace kerf {
 
-/// Which samples of one agent are durable: their records, and all earlier ones of that agent, are
-/// committed. A sample without a record needs none. Holds one entry for each uncommitted record
-/// that ends a batch, so it is bounded by the buffer of the journal.
+/// Tracks which samples of one agent are durable: their records, and those of all its earlier
+/// samples, are committed. A sample without a record needs no commit. Holds one entry for each
+/// uncommitted record that ends a batch, so the journal's buffer bounds its size.
 class DurableMark {
  public:
   DurableMark() = default;
@@ -25,7 +25,7 @@ class DurableMark {
       pending_.push_back({record_, agent_sequence});
     }
   }
-  /// The records up to `record` are committed. Returns the newest durable sample; 0: none.
+  /// The records up to `record` are committed. Returns the newest durable sample, 0 if none.
   std::uint64_t committed(std::uint64_t record) {
     while (!pending_.empty() && pending_.front().record <= record) {
       durable_ = pending_.front().agent_sequence;

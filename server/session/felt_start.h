@@ -8,7 +8,7 @@
 
 namespace kerf {
 
-/// Where the carving of forces begins: the block after a record, without the strokes that are
+/// The block from which a carving with forces begins: after a record, without the strokes that are
 /// undone at the end of the journal.
 struct FeltStart {
   std::uint64_t last = 0;  ///< record

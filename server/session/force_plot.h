@@ -19,20 +19,20 @@ struct PlottedMotion {
   Wrench wrench;
 };
 
-/// Forces of motions, decimated for a plot: least, mean and greatest magnitude in each of a number
-/// of equal spans of records, and the volume removed in it.
+/// Decimates the forces of motions for a plot: minimum, mean and maximum magnitude and removed
+/// volume for each of a number of equal spans of records.
 class ForcePlot {
  public:
-  /// Divides the records `first` to `last` into at most `points` spans; none if `first` is greater.
+  /// Divides the records `first` to `last` into at most `points` spans. Empty if `first` > `last`.
   ForcePlot(std::uint64_t first, std::uint64_t last, std::size_t points);
-  /// Adds a motion; its record ascends. Those outside the plot have no effect.
+  /// Adds a motion. Record numbers must ascend. Motions outside the plot are ignored.
   void add(const PlottedMotion& motion);
   /// Writes an object whose arrays have one value for each span with a motion:
   /// {"span":N,"first":[…],"last":[…],"time_ms":[…],"motions":[…],"end_s":[…],"removed_mm3":[…],
   ///  "force_n":{"min":[…],"mean":[…],"max":[…]},"torque_nmm":{…}}
-  /// `span` is the number of records of a span, `first` and `last` are those of its first and last
-  /// motion, `time_ms` is when the first one was recorded, `end_s` when the last one ends. Means
-  /// are over the motions.
+  /// `span` is the number of records of a span. `first` and `last` are the records of its first and
+  /// last motion. `time_ms` is when the first one was recorded, `end_s` when the last one ends.
+  /// Means are over the motions.
   void write(std::ostream& out) const;
 
  private:

@@ -9,9 +9,9 @@
 
 namespace kerf {
 
-/// The damage of a session's journal because of which a question about its history has failed, for
-/// `reason`. Nullopt: it failed because others ask, the disk fails or `stop` was requested, so it
-/// can be asked again. Blocks, as it may read the journal: not on the session's executor.
+/// Returns the damage of a session's journal that made a question about its history fail with
+/// `reason`. Nullopt if the failure is temporary (history in use, failing disk, `stop` requested):
+/// retry. May read the journal and block: do not call on the session's executor.
 inline std::optional<JournalError> damage_after(const Session& session, const std::string& reason,
                                                 const std::stop_token& stop) {
   if (reason == kOthersAskHistory || session.pause() || stop.stop_requested()) return std::nullopt;

@@ -8,7 +8,7 @@
 namespace kerf {
 namespace {
 
-/// Between two looks at whether others still ask.
+/// Polling interval while urgent users wait.
 constexpr std::chrono::milliseconds kBetweenLooks{1};
 
 }  // namespace

@@ -9,31 +9,31 @@
 
 namespace kerf {
 
-/// How long a request waits for others of the same session: threads that make files wait with it.
+/// How long a request waits for other users of the history. File-making threads wait with it.
 inline constexpr std::chrono::seconds kHistoryPatience{2};
 inline constexpr const char* kOthersAskHistory =
     "other requests about the history of the session are running";
 
-/// Who uses the history of a session: one at a time. Looks back, which may take long, stop for
-/// those who ask for a turn, as undo does. Thread-safe.
+/// Grants the history of a session to one user at a time. A look back, which may take long, is
+/// stopped when an urgent user such as undo asks. Thread-safe.
 class HistoryTurns {
  public:
-  /// The turn lasts as long as the lock; one that is not locked is none.
+  /// The turn lasts as long as the lock. An unlocked lock means no turn.
   using Lock = std::unique_lock<TimedMutex>;
 
-  /// Waits for a turn, at most so long. Stops the look back whose turn it is.
+  /// Waits at most `patience` for a turn. Stops the current look back.
   Lock ask(std::chrono::milliseconds patience);
-  /// Waits for a turn to look back, at most so long, also while others ask. `stop` is requested
-  /// when somebody asks meanwhile: the turn should end then.
+  /// Waits at most `patience` for a turn to look back, including while urgent users ask. `stop` is
+  /// requested when one asks meanwhile: the turn should then end.
   Lock look_back(std::chrono::milliseconds patience, const std::stop_source& stop);
-  /// Returns a turn if it is nobody else's.
+  /// Takes the turn if it is free.
   Lock try_now() { return Lock(turn_, std::try_to_lock); }
 
  private:
   TimedMutex turn_;
   std::mutex mutex_;                         ///< guards the next two
-  int askers_ = 0;                           ///< who wait
-  std::stop_source look_{std::nostopstate};  ///< of the last look back
+  int askers_ = 0;                           ///< threads waiting in ask()
+  std::stop_source look_{std::nostopstate};  ///< stops the newest look back
 };
 
 }  // namespace kerf

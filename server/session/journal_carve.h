@@ -16,9 +16,9 @@ struct CarvedJournal {
   double removed_mm3 = 0;
 };
 
-/// Carves a journal from its first record without some of its strokes, and without those that are
-/// undone at its end: the block in which they never happened. Changes no file. The error is one
-/// sentence, also if there is no such stroke.
+/// Carves a journal from its first record as if some strokes, and those undone at its end, had
+/// never happened. Changes no file. The error is one sentence, e.g. for a stroke that does not
+/// exist.
 std::expected<CarvedJournal, std::string> carve_without(const std::filesystem::path& journal,
                                                         const StrokeSet& without);
 

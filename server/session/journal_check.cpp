@@ -22,7 +22,7 @@ constexpr const char* kDeleteIt = "delete it: it only makes the next start quick
 constexpr const char* kNoJournal = "its journal cannot be read";
 constexpr const char* kKeepIt = "keep it until the journal can be read again";
 
-/// What an operator can do about a journal that cannot be read.
+/// Returns the remedy for a journal that cannot be read.
 std::string remedy_of(const JournalError& error) {
   switch (error.code) {
     case JournalErrorCode::kCorrupt:
@@ -92,7 +92,7 @@ CheckedFile check_journal(const std::filesystem::path& file) {
 
 namespace {
 
-/// Why the snapshot of a journal cannot be used; nullopt if it can.
+/// Returns why the snapshot of a journal cannot be used; nullopt if it can.
 std::optional<std::string> snapshot_problem(const std::filesystem::path& journal,
                                             const std::filesystem::path& file,
                                             const SnapshotHead& head) {
@@ -133,7 +133,7 @@ CheckedFile check_snapshot(const std::filesystem::path& file) {
   return checked;
 }
 
-/// "YYYY-MM-DDTHH:MM:SS.mmmZ"; "unknown time" for a record of a journal of version 1.
+/// Returns "YYYY-MM-DDTHH:MM:SS.mmmZ", or "unknown time" for a record of a version 1 journal.
 std::string time_text(std::int64_t wall_ms) {
   if (wall_ms <= 0) return "unknown time";
   const auto seconds = static_cast<std::time_t>(wall_ms / 1000);
@@ -145,7 +145,7 @@ std::string time_text(std::int64_t wall_ms) {
   return std::string(text) + "." + ms + "Z";
 }
 
-/// Carves a journal and compares it as it goes.
+/// Carves a journal and compares it with its hashes and snapshots on the fly.
 class Verification {
  public:
   Verification(const std::filesystem::path& file, JournalReader& reader, RecordedBlock block)
@@ -163,7 +163,7 @@ class Verification {
     }
   }
 
-  /// Applies a record; the error is that of the kernel.
+  /// Applies a record. The error is that of the kernel.
   std::expected<void, std::string> apply(const JournalRecord& record) {
     if (auto applied = block_.apply(record); !applied) return applied;
     verified_.records = record.sequence;

@@ -12,7 +12,7 @@
 
 namespace kerf {
 
-/// What is wrong with a file of a data folder, and what its operator can do.
+/// A fault of a file in a data folder, and its remedy.
 struct FileFault {
   std::string problem, remedy;  ///< one sentence each
 };
@@ -20,7 +20,7 @@ struct FileFault {
 /// A journal or snapshot that has been read from its beginning to its end.
 struct CheckedFile {
   std::string name;     ///< of the file
-  std::string summary;  ///< what it holds; empty if it cannot be read
+  std::string summary;  ///< contents; empty if unreadable
   std::vector<FileFault> faults;
 };
 
@@ -37,13 +37,13 @@ struct VerifiedJournal {
   std::uint64_t records = 0, motions = 0, hash = 0;
   std::size_t hashes_compared = 0;
   int snapshots_compared = 0;
-  /// The first difference, with the record, its participant and its time; empty: none.
+  /// The first difference, with its record, participant and time; empty if none.
   std::string difference;
-  std::string note;  ///< what could not be compared and why; empty: nothing
+  std::string note;  ///< what could not be compared and why; empty if everything was
 };
 
-/// Carves a journal from its first record and compares the solid with each stored hash that this
-/// version of the kernel has computed, and with the snapshots. Changes no file.
+/// Carves a journal from its first record. Compares the solid with the snapshots and with each
+/// stored hash that this version of the kernel computed. Changes no file.
 std::expected<VerifiedJournal, JournalError> verify_journal(const std::filesystem::path& file);
 
 }  // namespace kerf

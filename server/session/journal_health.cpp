@@ -6,7 +6,7 @@
 namespace kerf {
 namespace {
 
-/// Read at a time by find_damage(): a session that is closed waits for one part at most.
+/// Bytes that find_damage() reads at a time. Closing a session waits for at most one part.
 constexpr std::size_t kFoundBytes = std::size_t{4} << 20;
 
 }  // namespace

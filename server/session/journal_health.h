@@ -12,8 +12,8 @@
 
 namespace kerf {
 
-/// Whether the journal of an open session is damaged, as far as somebody has read it. Damage is for
-/// good: it is kept until the session is closed. Thread-safe.
+/// The known damage of an open session's journal. Damage is permanent, so it is kept until the
+/// session is closed. Thread-safe.
 class JournalHealth {
  public:
   /// Called with the first damage, on the thread that finds it. Call before the session is used.
@@ -21,14 +21,14 @@ class JournalHealth {
   /// The first damage that was found; its code is kCorrupt.
   std::optional<JournalError> damage() const;
 
-  /// JournalScan::advance, of a scan of the journal's file. Notes damage.
+  /// Calls JournalScan::advance for a scan of this journal's file and keeps any damage it finds.
   std::expected<bool, JournalError> advance(JournalScan& scan, std::size_t bytes,
                                             const std::stop_token& stop);
-  /// Looks for damage in the file, unless some is known: for who has failed to read it, e.g.
-  /// because of damage, which remains, or of a failing disk, which may recover.
+  /// Looks for damage in the file unless some is known. Call after a failed read, to tell damage,
+  /// which is permanent, from a failing disk, which may recover.
   std::optional<JournalError> find_damage(const std::filesystem::path& file,
                                           const std::stop_token& stop = {});
-  /// Nothing is read from now on: the file is about to be moved.
+  /// Stops all reading: the file is about to be moved.
   void end();
 
  private:

@@ -27,8 +27,8 @@ JournalError bad_journal(const std::filesystem::path& file, std::uint64_t sequen
 /// The records of a journal up to the first bad one.
 struct GoodRecords {
   std::uint64_t last = 0;
-  std::vector<StrokeId> strokes;  ///< that begin in them
-  JournalError damage = {};       ///< no reason: there is none
+  std::vector<StrokeId> strokes;  ///< first records of the strokes that begin in them
+  JournalError damage = {};       ///< empty reason if no record is bad
 };
 
 std::expected<GoodRecords, JournalError> find_damage(JournalReader& reader) {
@@ -54,7 +54,7 @@ struct Base {
   std::filesystem::path file;
   std::string contents;
   BlockSnapshot snapshot;
-  /// The record before the first one of the new journal, which defines the tools again.
+  /// The record before the first one of the new journal, which begins by defining the tools again.
   std::uint64_t before() const { return snapshot.head.sequence - snapshot.state.tools.size(); }
 };
 
@@ -64,7 +64,7 @@ std::optional<std::string> read_file(const std::filesystem::path& file) {
   return in.good() || in.eof() ? std::optional(std::move(contents)) : std::nullopt;
 }
 
-/// Whether a snapshot is one of a journal after a record from `least` on.
+/// Whether a snapshot belongs to this journal and was taken after record `least` or later.
 bool is_of(const SnapshotHead& head, JournalReader& reader, std::uint64_t least) {
   if (head.session != reader.header().session || head.sequence < least) return false;
   if (head.kernel_version != reader.header().kernel_version) return false;
@@ -73,7 +73,7 @@ bool is_of(const SnapshotHead& head, JournalReader& reader, std::uint64_t least)
   return !mark || *mark == head.mark;  // the row may be on a damaged page
 }
 
-/// The newest snapshot that holds the block after record `least` or a later one.
+/// Returns the newest snapshot taken after record `least` or later.
 std::optional<Base> find_base(const std::filesystem::path& journal, JournalReader& reader,
                               const Sculpture& like, std::uint64_t least) {
   for (const auto& file : {snapshot_file(journal), previous_snapshot_file(journal)}) {
@@ -103,7 +103,7 @@ class RecordCopy {
     salvaged_.last = sequence;
     return {};
   }
-  /// Copies up to the next bad record, which is no error.
+  /// Copies records up to the next bad one, which is not an error.
   Written copy(JournalReader& reader) {
     for (;;) {
       const auto record = reader.next();
@@ -114,14 +114,14 @@ class RecordCopy {
       if (auto ok = add(**record); !ok) return ok;
     }
   }
-  /// The first record whose effect is another one than in the damaged journal.
+  /// The first record whose effect differs from that in the damaged journal.
   std::uint64_t hashes_end() const {
     return salvaged_.ignored_changes.empty() ? std::numeric_limits<std::int64_t>::max()
                                              : salvaged_.ignored_changes.front();
   }
 
  private:
-  /// The part of a stroke behind the base is a stroke of its own.
+  /// Appends a record. The part of a stroke after the base becomes a new stroke.
   Written add(const JournalRecord& record) {
     salvaged_.last = record.sequence;
     const bool is_motion = std::holds_alternative<MoveTool>(record.command);
@@ -141,7 +141,7 @@ class RecordCopy {
   std::set<ParticipantId> divided_;
 };
 
-/// Carves the new journal, and stores the hash of its block if that is one of this kernel.
+/// Carves the new journal and stores the hash of its block if this kernel can compare it.
 Written verify(const std::filesystem::path& file, SalvagedJournal& salvaged) {
   const auto replayed = replay(file);
   if (!replayed) return std::unexpected(replayed.error());
@@ -196,7 +196,7 @@ std::expected<SalvagedJournal, JournalError> salvage_journal(const std::filesyst
   if (base) {
     if (auto ok = records.define_tools(*base); !ok) return std::unexpected(ok.error());
   }
-  // Damage that prevents reading from there on leaves the block of the base.
+  // If the rest cannot be read at all, the new journal ends with the base.
   auto rest = JournalReader::open(from, RecordOrder::kSequence, {}, salvaged.base + 1);
   if (rest) {
     if (auto ok = records.copy(*rest); !ok) return std::unexpected(ok.error());

@@ -13,12 +13,12 @@
 namespace kerf {
 namespace {
 
-/// A session that is opened again has a journal of another epoch.
+/// Session id and epoch: a reopened session has a journal of another epoch.
 using Key = std::pair<std::string, std::uint32_t>;
 
 struct Pass {
   JournalScan scan;
-  Clock::time_point due;  ///< of the next part, or the next pass
+  Clock::time_point due;  ///< when the next part or pass is due
 };
 
 }  // namespace
@@ -40,13 +40,14 @@ struct JournalWatch::Impl : std::enable_shared_from_this<Impl> {
     bool has_worked = false;
     try {
       has_worked = verify_part();
-    } catch (const std::exception&) {  // e.g. not enough memory for the files of a scene: later
+    } catch (const std::exception&) {  // e.g. not enough memory for the files of a scene: retry
+                                       // later
     }
     const auto took = std::chrono::duration_cast<std::chrono::microseconds>(options.now() - begun);
     post(has_worked ? std::max(options.pause, options.pause_factor * took) : options.idle);
   }
 
-  /// Forgets the sessions that are closed, and adds those that have been opened.
+  /// Forgets closed sessions and adds newly opened ones.
   std::map<Key, std::shared_ptr<Session>> update_passes() {
     std::map<Key, std::shared_ptr<Session>> open;
     for (auto& session : registry.list()) {
@@ -58,7 +59,7 @@ struct JournalWatch::Impl : std::enable_shared_from_this<Impl> {
     return open;
   }
 
-  /// Verifies a part of the session that has waited for the longest time; false if none is due.
+  /// Verifies a part of the session that has waited longest. Returns false if none is due.
   bool verify_part() {
     auto open = update_passes();
     const auto next =
@@ -69,7 +70,7 @@ struct JournalWatch::Impl : std::enable_shared_from_this<Impl> {
     pass.due = options.now() + options.retry;  // also after an exception
     const auto done = session.health().advance(pass.scan, options.part_bytes, stopping.get_token());
     const bool is_damaged = !done && done.error().code == JournalErrorCode::kCorrupt;
-    if (!done && !is_damaged) return true;  // as of a failing disk: the same part again, later
+    if (!done && !is_damaged) return true;  // a failing disk: repeat this part later
     pass.due = options.now();
     const bool has_ended = is_damaged || *done;
     if (has_ended) pass = {JournalScan(session.journal_file()), pass.due + options.again};

@@ -12,33 +12,34 @@
 
 namespace kerf {
 
-/// How much a JournalWatch does.
+/// The pace of a JournalWatch.
 struct WatchOptions {
-  std::size_t part_bytes = std::size_t{1} << 20;  ///< of records that are verified at a time
-  /// After a part: at least this, and so many times as long as the part took.
+  std::size_t part_bytes = std::size_t{1} << 20;  ///< bytes of records verified at a time
+  /// Pause after each part: `pause` or `pause_factor` times the duration of the part, the longer
+  /// one.
   std::chrono::microseconds pause{50'000};
   int pause_factor = 19;
-  std::chrono::microseconds idle{1'000'000};        ///< between two looks for sessions to verify
-  Clock::duration again = std::chrono::hours(6);    ///< from pass to pass
+  std::chrono::microseconds idle{1'000'000};        ///< between two searches for sessions to verify
+  Clock::duration again = std::chrono::hours(6);    ///< interval between passes
   Clock::duration retry = std::chrono::minutes(1);  ///< after a failed read
   std::function<Clock::time_point()> now = Clock::now;
 };
 
-/// Reads the journals of the open sessions in the background and verifies their checksums, each
-/// one soon after its session is opened, and then again and again: what a snapshot spares a restart
-/// is read by nobody else until an undo needs it. Damage is noted in Session::health(). Takes a
-/// twentieth of a core and 20 MB/s at most. Thread-safe.
+/// Verifies the checksums of the journals of open sessions in the background: each one soon after
+/// its session is opened, and periodically afterwards. Nobody else reads the records before a
+/// snapshot until an undo needs them. Reports damage to Session::health(). Uses at most a twentieth
+/// of a core and 20 MB/s. Thread-safe.
 class JournalWatch {
  public:
-  /// `registry` and `executor`, a background thread, outlive it.
+  /// `registry` and `executor` (a background thread) must outlive it.
   JournalWatch(SessionRegistry& registry, Executor& executor, WatchOptions options = {});
-  /// As stop().
+  /// Calls stop().
   ~JournalWatch();
   JournalWatch(const JournalWatch&) = delete;
   JournalWatch& operator=(const JournalWatch&) = delete;
 
   void start();
-  /// Ends the part that is being verified; afterwards no file is read.
+  /// Ends the verification in progress. No file is read afterwards.
   void stop();
 
  private:

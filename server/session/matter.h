@@ -13,7 +13,7 @@
 
 namespace kerf {
 
-/// The block as a matter sees it. Executor only.
+/// A matter's view of the block. Executor only.
 class MatterBlock {
  public:
   virtual ~MatterBlock() = default;

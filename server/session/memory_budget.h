@@ -9,11 +9,11 @@
 
 namespace kerf {
 
-/// The memory that a process grants to what its clients send: uploads from their header on, and
+/// Limits the memory that a process spends on client data: uploads from their header on, and
 /// programs while they run. Thread-safe. Shares may outlive the budget.
 class MemoryBudget {
  public:
-  /// Part of a budget; given back when it is destroyed.
+  /// A part of a budget, returned by its destructor.
   class Share {
    public:
     Share() = default;
@@ -25,7 +25,7 @@ class MemoryBudget {
       return *this;
     }
     ~Share() { reduce(0); }
-    /// Gives back all but `bytes`.
+    /// Returns all but `bytes`.
     void reduce(std::size_t bytes) {
       if (bytes >= bytes_) return;
       *taken_ -= bytes_ - bytes;
@@ -43,7 +43,7 @@ class MemoryBudget {
 
   explicit MemoryBudget(std::size_t bytes) : bytes_(bytes) {}
 
-  /// Takes a share; nothing if fewer bytes are left.
+  /// Takes a share. Nullopt if fewer bytes are left.
   std::optional<Share> take(std::size_t bytes) {
     std::size_t taken = *taken_;
     do {

@@ -14,8 +14,8 @@ enum class ParticipantKind { kAgent, kProgram, kViewer };
 /// Returns "agent", "program" or "viewer".
 const char* to_string(ParticipantKind kind);
 
-/// Where the device of an agent can bring the tip of its tool: a box in the block, which may be
-/// turned.
+/// The reach of an agent's device: the box in the block, possibly rotated, that the tool tip can
+/// reach.
 struct DeviceReach {
   Vec3 center_mm;
   Vec3 half_mm;      ///< half of its edges, greater than zero
@@ -30,9 +30,9 @@ struct Participant {
   ParticipantKind kind = ParticipantKind::kViewer;
   std::string name, color;                ///< color as "#rrggbb"
   ToolId tool = 0;                        ///< 0 for viewers
-  Role role = Role::kAdministrator;       ///< everybody's on a server without rights
+  Role role = Role::kAdministrator;       ///< always kAdministrator on a server without rights
   bool is_muted = false;                  ///< its motions are rejected
-  std::optional<DeviceReach> reach = {};  ///< of an agent that has stated it
+  std::optional<DeviceReach> reach = {};  ///< set if the agent has stated it
 };
 
 /// The parameters of a new participant.
@@ -42,28 +42,30 @@ struct JoinRequest {
   std::string color;          ///< empty: the session picks one
   ToolId tool = 0;            ///< 0: the first tool of the scene
   bool feel = true;           ///< false: no force is computed for this participant
-  ParticipantId feel_of = 0;  ///< participant whose force it receives too; 0: none
+  ParticipantId feel_of = 0;  ///< participant whose force it receives too; 0 if none
   bool stock = false;         ///< keeps a replica of the block near its tool (StockFeed)
-  bool whole = false;         ///< of all of it
-  bool returned = false;      ///< its replica takes stock back, tile by tile
+  bool whole = false;         ///< `stock` covers the whole block
+  bool returned = false;      ///< the agent's replica accepts returned stock tile by tile
   bool intent = false;        ///< receives the poses of tools near its own
-  bool durable = false;       ///< an agent that sends again what is not durable; gets a token
-  std::string token = {};     ///< of the participant to continue as; empty or unknown: a new one
+  bool durable = false;       ///< the agent resends samples that are not durable; it gets a token
+  std::string token = {};     ///< token of the participant to continue as; a new one if empty or
+                              ///< unknown
   Role role = Role::kAdministrator;
-  std::string grant = {};       ///< by which it may join; empty: none
-  bool is_personal = false;     ///< the grant belongs to this person alone
-  std::string invitation = {};  ///< the grant, or that for which it is a pass; empty: none
+  std::string grant = {};       ///< grant by which it joins; empty if none
+  bool is_personal = false;     ///< the grant belongs to one person
+  std::string invitation = {};  ///< the grant, or the invitation that the grant is a pass of; empty
+                                ///< if none
   bool is_muted = false;
-  std::string network = {};  ///< from which it comes, for limits; empty: unknown
-  bool has_turn = false;     ///< a viewer that has waited for viewer_turn()
+  std::string network = {};  ///< network of the peer, for limits; empty if unknown
+  bool has_turn = false;     ///< the viewer has waited for viewer_turn()
 };
 
-/// A participant that has joined, and how it continues after a loss of the connection.
+/// A participant that has joined, and the means to continue it after a lost connection.
 struct Admission {
   Participant participant;
   std::string token = {};            ///< empty: not requested; not stored and never logged
   std::uint64_t agent_sequence = 0;  ///< newest sample that the session has from this participant
-  bool resumed = false;              ///< it continues as a participant of before
+  bool resumed = false;              ///< it continues an earlier participant
 };
 
 }  // namespace kerf

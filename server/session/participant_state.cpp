@@ -6,7 +6,7 @@
 namespace kerf {
 namespace {
 
-/// The tool of a participant that sends nothing is displayed without force after this time.
+/// After this time without samples, a tool is displayed without force.
 constexpr std::chrono::milliseconds kForceDisplayTime{150};
 
 }  // namespace

@@ -64,8 +64,8 @@ std::expected<void, Rejection> Participants::check(const JoinRequest& request,
   return {};
 }
 
-/// A peer that joins and leaves again and again costs every other participant a message, and the
-/// journal a row if it is an agent.
+/// Limits the rate of joins: each one costs every participant a message, and the journal a row if
+/// it is an agent.
 std::expected<void, Rejection> Participants::check_rate(const JoinRequest& request,
                                                         ParticipantId resumed) {
   const bool is_new_guest =
@@ -93,8 +93,8 @@ std::expected<void, Rejection> Participants::check_rate(const JoinRequest& reque
                                    "too many participants join at the same time; try again later"});
 }
 
-/// The holders of one invitation do not use up what all together may join, and its passes count as
-/// it: one link gives many.
+/// Limits joins per invitation, so that one cannot use up the limit of all. The passes of an
+/// invitation count as the invitation, because a link gives many.
 bool Participants::allows_invitation(const JoinRequest& request) {
   if (request.invitation.empty()) return true;
   if (invitation_joins_.size() >= kNetworksMax) invitation_joins_.clear();
@@ -103,7 +103,7 @@ bool Participants::allows_invitation(const JoinRequest& request) {
   return one->second.allow(Clock::now());
 }
 
-/// One network does not use up what all guests together may join.
+/// Limits guests per network, so that one network cannot use up the limit of all guests.
 bool Participants::allows_network(const JoinRequest& request) {
   if (request.network.empty()) return true;
   if (network_joins_.size() >= kNetworksMax) network_joins_.clear();
@@ -254,8 +254,8 @@ std::expected<void, Rejection> Participants::choose_tool(ParticipantId id, ToolI
   }
   if (state->participant.tool == tool) return {};
   state->participant.tool = tool;
-  // Its place stays, around which a replica is kept up to date: the samples tell when the new tool
-  // is there, to the server as to the replica.
+  // Keep the pose: the replica is kept up to date around it. The samples tell server and replica
+  // when the new tool is there.
   state->in_stroke = false;
   changed(true);
   return {};

@@ -93,7 +93,7 @@ void Participants::set_muted_of(const std::string& person, bool muted) {
   set_muted(holder_of(person), muted);
 }
 
-/// The grant of a request is that of the upgrade of its connection, which may be seconds old.
+/// The grant of a request was checked at the upgrade of its connection, which may be seconds ago.
 std::expected<JoinRequest, Rejection> Participants::as_decided(JoinRequest request) const {
   const auto found = decided_.find(request.grant);
   if (request.grant.empty() || found == decided_.end()) return request;

@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-/// Records that are read at a time.
+/// Number of records read at a time.
 constexpr std::size_t kAhead = 4096;
 
 }  // namespace
@@ -38,7 +38,7 @@ std::expected<bool, std::string> PastBlock::seek(std::uint64_t record,
   return true;
 }
 
-/// Makes the block the one after a record, whose tiles are given.
+/// Moves the block to the state after a record, given its tiles.
 std::expected<bool, std::string> PastBlock::take(std::uint64_t record, const Tiles& tiles) {
   if (!tiles) return std::unexpected(tiles.error());
   if (!*tiles) return false;
@@ -82,7 +82,7 @@ std::expected<PastBlock::Played, std::string> PastBlock::play(const PlayUntil& u
   }
 }
 
-/// Of several changes in a row, those that are due are applied with the last one.
+/// In a run of changes, all that are due are applied with the last one.
 std::expected<void, std::string> PastBlock::change(const JournalRecord& record,
                                                    const PlayUntil& until,
                                                    const std::stop_token& stop) {

@@ -17,32 +17,32 @@
 
 namespace kerf {
 
-/// How far a block of the past plays: whatever comes first.
+/// How far a block of the past plays: until the first of these is reached.
 struct PlayUntil {
   std::int64_t ms = std::numeric_limits<std::int64_t>::max();  ///< since 1970, UTC
   std::uint64_t record = std::numeric_limits<std::uint64_t>::max();
-  bool feels = true;  ///< with the forces of the motions
+  bool feels = true;  ///< compute the forces of the motions
 
   bool covers(const JournalRecord& next) const {
     return next.wall_ms <= ms && next.sequence <= record;
   }
 };
 
-/// A copy of the block of a journal that goes to any of its records, and forward from there with
-/// the forces of its participants. Not thread-safe. Errors are one sentence.
+/// A copy of a journal's block that seeks to any record and plays forward from there, with the
+/// forces of the participants. Not thread-safe. Errors are one sentence.
 class PastBlock {
  public:
   /// The block before the first record.
   static std::expected<PastBlock, std::string> create(std::unique_ptr<PastSource> source);
 
-  /// Makes the block the one after a record, without the strokes that were undone then; false,
-  /// without a change, if there is no such record yet.
+  /// Moves the block to the state after a record, without the strokes that were undone then.
+  /// Returns false and changes nothing if there is no such record yet.
   std::expected<bool, std::string> seek(std::uint64_t record, const std::stop_token& stop);
 
   /// Where playing has ended.
   struct Played {
     bool is_late = false;  ///< `budget` was used up before the end was reached
-    /// When the next record was appended; 0: there is none yet.
+    /// When the next record was appended; 0 if there is none yet.
     std::int64_t next_ms = 0;
   };
   /// Applies the next records, for about `budget`.
@@ -56,9 +56,9 @@ class PastBlock {
   double removed_mm3() const { return block_.removed_volume_mm3(); }
   SolidSnapshot solid() { return block_.solid(); }
   const Sculpture& block() const { return block_; }
-  /// The tiles of the surface that have changed since the last call; with duplicates.
+  /// Returns the surface tiles changed since the last call, with duplicates.
   std::vector<TileIndex> take_changed();
-  /// The tools that have moved since seek(), with the force of their last motion.
+  /// The tools that moved since seek(), with the force of their last motion.
   const wire::ToolStates& tools() const { return tools_; }
 
  private:
@@ -76,7 +76,7 @@ class PastBlock {
   Sculpture block_;
   std::uint64_t record_ = 0;
   std::int64_t time_ms_ = 0;
-  std::deque<JournalRecord> ahead_;  ///< read, and not applied yet
+  std::deque<JournalRecord> ahead_;  ///< read but not applied
   std::vector<TileIndex> changed_;
   wire::ToolStates tools_;
 };

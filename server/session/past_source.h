@@ -15,27 +15,25 @@
 
 namespace kerf {
 
-/// What a block of the past (PastBlock) asks of a journal and of its history. Errors are one
-/// sentence.
+/// The data of a journal and its history that PastBlock needs. Errors are one sentence.
 class PastSource {
  public:
   virtual ~PastSource() = default;
 
   virtual const Scene& scene() const = 0;
-  /// Returns all tiles that motions reach, as they were after a record; nullopt: there is no such
-  /// record yet.
+  /// Returns all tiles that motions reach, as of a record. Nullopt if there is no such record yet.
   virtual std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_at(
       std::uint64_t record, const std::stop_token& stop) = 0;
-  /// Returns the tiles that are others after a record which undoes or redoes strokes, or after
-  /// several in a row, or more tiles. `solid`: the block before them.
+  /// Returns the tiles changed by a record (or a run of records) that undoes or redoes strokes. It
+  /// may return more tiles. `solid`: the block before them.
   virtual std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_after(
       const SolidSnapshot& /*solid*/, const StrokeSet& /*changed*/, std::uint64_t record,
       const std::stop_token& stop) {
     return tiles_at(record, stop);
   }
-  /// Returns when a record was appended, ms since 1970, UTC; 0: unknown.
+  /// Returns when a record was appended, ms since 1970, UTC; 0 if unknown.
   virtual std::expected<std::int64_t, std::string> time_of(std::uint64_t record) = 0;
-  /// Returns the records after one, at most `count`.
+  /// Returns at most `count` records after `record`.
   virtual std::expected<std::vector<JournalRecord>, std::string> records_after(
       std::uint64_t record, std::size_t count, const std::stop_token& stop) = 0;
 };

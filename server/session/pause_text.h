@@ -7,7 +7,8 @@
 
 namespace kerf {
 
-/// Why a paused session accepts nothing: "paused: lease: REASON" or "paused: disk: REASON".
+/// Returns why a paused session accepts no motions: "paused: lease: REASON" or "paused: disk:
+/// REASON".
 inline std::string pause_text(const JournalError& error) {
   return std::string("paused: ") + pause_word(error.code) + ": " + error.reason;
 }

@@ -8,7 +8,7 @@
 namespace kerf {
 namespace {
 
-/// Removed volumes below this are rounding on a surface that was cut before, mm^3.
+/// Removed volumes below this, mm^3, are rounding on a surface that was cut before.
 constexpr double kNothingRemovedMm3 = 1e-6;
 
 }  // namespace
@@ -40,12 +40,12 @@ void ProgramAlarms::follow(const ProgramMotion& motion, const CarvedMotion& carv
   note(AlarmKind::kShank, motion, carved.stock_contact_mm, limits_.tolerance_mm);
   note(AlarmKind::kObstacle, motion, carved.collision_n, 0);
   note(AlarmKind::kForce, motion, carved.cutting_n, limits_.force_n.value_or(kAny));
-  // What a check finds is deeper than the part's tolerance.
+  // The check only reports gouges deeper than the part's tolerance.
   const Gouge gouge = carved.gouge.value_or(Gouge());
   note(AlarmKind::kGouge, motion, gouge.depth_mm, limits_.gouge_mm, gouge.at_mm);
 }
 
-/// Whether a motion without an alarm does not end it.
+/// Whether an alarm continues across a motion without one.
 bool ProgramAlarms::is_in_gap(AlarmKind kind, const ProgramMotion& motion) {
   if (kind != AlarmKind::kGouge) return false;
   without_gouge_mm_ += length(motion.to.tip_mm - motion.from.tip_mm);

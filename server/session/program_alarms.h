@@ -11,14 +11,15 @@
 
 namespace kerf {
 
-/// What one motion of a program did: the parts of its MotionResult that alarms come from.
+/// The parts of a motion's MotionResult from which alarms are derived.
 struct CarvedMotion {
   double removed_mm3 = 0;
-  double stock_contact_mm = 0;      ///< greatest depth of shank or holder in the stock
+  double stock_contact_mm = 0;      ///< maximum depth of shank or holder in the stock
   double cutting_n = 0;             ///< mean cutting force; 0 where forces are not computed
-  double collision_n = 0;           ///< greatest push of obstacles along it; 0 likewise
+  double collision_n = 0;           ///< maximum push of obstacles along the motion; 0 where forces
+                                    ///< are not computed
   double film_mm3 = 0;              ///< AlarmLimits::film_mm3 of its tool
-  std::optional<Gouge> gouge = {};  ///< into the part that the program is to make
+  std::optional<Gouge> gouge = {};  ///< gouge of the target part
 };
 
 enum class AlarmKind {
@@ -26,42 +27,42 @@ enum class AlarmKind {
   kShank,     ///< shank or holder entered the stock; the depth, mm
   kObstacle,  ///< the tool was pushed by an obstacle; the force, N
   kForce,     ///< the mean cutting force of a motion was above the limit; the force, N
-  kGouge      ///< the motion cut below the part that the program is to make; the depth, mm
+  kGouge      ///< the motion cut below the target part; the depth, mm
 };
 /// Returns "rapid", "shank", "obstacle", "force" or "gouge".
 const char* to_string(AlarmKind kind);
 
 /// Consecutive motions with the same alarm. Gouges less than ProgramAlarms::kGougeGapPitches apart
-/// along the path are one: the rays meet a part of the motions only.
+/// along the path form one alarm, because the rays meet only a part of the motions.
 struct ProgramAlarm {
   AlarmKind kind = AlarmKind::kRapid;
   std::uint32_t from_line = 0, to_line = 0;
   ToolId tool = 0;
-  double amount = 0;  ///< the greatest one; of kRapid the sum
-  double limit = 0;   ///< that the amount of a motion exceeded, in its unit
+  double amount = 0;  ///< maximum; sum for kRapid
+  double limit = 0;   ///< the limit that the amount exceeded, in its unit
   Vec3 tip_mm{};      ///< at the end of the motion with the greatest amount
-  Vec3 at_mm{};       ///< of kGouge: the deepest place
+  Vec3 at_mm{};       ///< deepest point; kGouge only
 };
 
-/// Amounts up to which there is no alarm.
+/// Thresholds of the alarms.
 struct AlarmLimits {
-  std::optional<double> force_n = {};  ///< nothing: any force
-  /// Of the scene: surfaces are true to it, so that neither a depth nor a film of it means
-  /// anything.
+  std::optional<double> force_n = {};  ///< nullopt: no limit
+  /// The scene's tolerance. Surfaces are only accurate to it, so smaller depths and films mean
+  /// nothing.
   double tolerance_mm = 0;
-  double gouge_mm = 0;  ///< into the part that the program is to make
-  double pitch_mm = 0;  ///< of the block
+  double gouge_mm = 0;  ///< allowed depth below the target part
+  double pitch_mm = 0;  ///< pitch of the block
 
-  /// The volume that a rapid removes where it leaves a surface that lies too high by the tolerance:
-  /// below all of the tool, mm^3.
+  /// Returns the volume, mm^3, that a rapid removes below the whole tool from a surface that is too
+  /// high by the tolerance.
   double film_mm3(double tool_radius_mm) const;
 };
 
-/// Collects the alarms of a program while it is carved. It costs a few comparisons a motion: forces
-/// are judged where they are computed anyway, at feed rate.
+/// Collects the alarms of a program while it is carved, at a few comparisons a motion. Forces are
+/// judged only where they are computed anyway, at feed rate.
 class ProgramAlarms {
  public:
-  /// Alarms that are listed; further ones are counted.
+  /// Number of alarms that are listed. Further ones are only counted.
   static constexpr std::size_t kListedMax = 100;
 
   static constexpr double kGougeGapPitches = 2;
@@ -83,10 +84,10 @@ class ProgramAlarms {
     double greatest = 0;
   };
   AlarmLimits limits_;
-  double without_gouge_mm_ = 0;  ///< path since the last gouge
+  double without_gouge_mm_ = 0;  ///< path length since the last gouge
   std::vector<ProgramAlarm> list_;
   std::size_t count_ = 0;
-  Open open_[5];  ///< by kind: the run of motions that the last motion belongs to
+  Open open_[5];  ///< by kind: the run that includes the last motion
 };
 
 }  // namespace kerf

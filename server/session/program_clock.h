@@ -8,8 +8,8 @@
 
 namespace kerf {
 
-/// The time of a program, s of its cycle time at feed rate: passes `speed` times as fast as the
-/// machine's clock, and stands while the clock is stopped.
+/// The time of a program, s of its cycle time at feed rate. Runs `speed` times as fast as the
+/// machine's clock and stops with stop().
 class ProgramClock {
  public:
   double now_s(Clock::time_point now) const {
@@ -31,7 +31,7 @@ class ProgramClock {
     base_ = now;
     speed_ = speed;
   }
-  /// Moves the time into a range.
+  /// Clamps the time to a range.
   void clamp(double from_s, double to_s, Clock::time_point now) {
     base_s_ = std::clamp(now_s(now), from_s, to_s);
     base_ = now;

@@ -10,20 +10,20 @@
 
 namespace kerf {
 
-/// A program that has been read to its end and is read again while it is carved.
+/// A program whose text has been read once and is read again while it is carved.
 struct ProgramJob {
   std::string name;
-  std::string read_as;  ///< language, and why it
+  std::string read_as;  ///< its language and how it was recognized
   std::vector<std::string> warnings;
   ProgramTotals totals;
-  double machine_s = 0;  ///< on the scene's machine
+  double machine_s = 0;  ///< cycle time on the scene's machine
   OpenProgram open;
-  std::optional<double> rate_hz = {};  ///< it is sampled
+  std::optional<double> rate_hz = {};  ///< sample rate, if it is sampled
 
   ProgramJob() = default;
-  /// What `survey` has found while it was read.
+  /// `survey` holds the results of the first reading.
   ProgramJob(ReadProgram read, ProgramSurvey& survey, std::optional<double> rate);
-  /// Of a program whose motions are known.
+  /// A program whose motions are known.
   ProgramJob(Program program);  // NOLINT(google-explicit-constructor): loses nothing
 };
 

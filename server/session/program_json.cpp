@@ -22,7 +22,7 @@ const char* unit_of(AlarmKind kind) {
   }
 }
 
-/// What the limit of an alarm is, for people.
+/// Explains the limit of an alarm.
 const char* reason_of(AlarmKind kind) {
   switch (kind) {
     case AlarmKind::kRapid:

@@ -9,13 +9,13 @@
 
 namespace kerf {
 
-/// What a list of programs shows of one, as a JSON object; with `elapsed_s` and `remaining_s` of
+/// Returns a list entry of a program as a JSON object. `elapsed_s` and `remaining_s` are parts of
 /// its cycle time at feed rate.
 std::string program_json(const ProgramGlance& program);
-/// The same with the tools, the warnings and the alarms.
+/// Like the one above, with the tools, warnings and alarms.
 std::string program_json(const ProgramStatus& program);
 
-/// Reads the first back; nullopt for text that is no such object.
+/// Parses the output of program_json(ProgramGlance). Nullopt if the text is not such an object.
 std::optional<ProgramGlance> parse_program_glance(std::string_view json);
 
 }  // namespace kerf

@@ -8,7 +8,7 @@
 namespace kerf {
 namespace {
 
-/// Steps of reading that follow each other: more than most programs have between two motions.
+/// Reading steps in a row: more than most programs have between two motions.
 constexpr int kReads = 16;
 
 }  // namespace
@@ -116,7 +116,7 @@ void ProgramRuns::end(Run& run, ProgramState state) {
   run.status.state = state;
   run.status.waiting = false;
   ended_.push_back(run.status.participant);
-  // A run that has ended keeps its status and text only.
+  // An ended run keeps only its status and text.
   run.motions.reset();
   run.target.reset();
   run.memory = MemoryBudget::Share();

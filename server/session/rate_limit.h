@@ -16,8 +16,8 @@ class RateLimit {
 
   /// Takes one token; false if the bucket is empty.
   bool allow(Clock::time_point now) { return take(now, 0).has_value(); }
-  /// Takes one token, which may be one that is still to come: returns the time until then, s.
-  /// Nothing is taken, and nullopt returned, if that is more than `wait_max_s`.
+  /// Takes one token, possibly a future one, and returns the time until it is available, s. If that
+  /// exceeds `wait_max_s`, takes nothing and returns nullopt.
   std::optional<double> take(Clock::time_point now, double wait_max_s) {
     if (last_ != Clock::time_point{}) {
       const double passed_s = std::chrono::duration<double>(now - last_).count();

@@ -56,7 +56,7 @@ std::expected<FirstBlock, JournalError> first_block(const JournalReader& reader,
 
 namespace {
 
-/// Creates the block of a journal as it was before the first record.
+/// Returns the block of a journal before its first record.
 std::expected<Replayed, JournalError> untouched(const JournalReader& reader,
                                                 const std::filesystem::path& file) {
   auto scene = journal_scene(reader, file);
@@ -81,14 +81,15 @@ std::expected<Replayed, JournalError> untouched(const JournalReader& reader,
                   .dropped_hashes = reader.dropped_hashes()};
 }
 
-/// Applies the records of a reader, and compares the solid with the newest stored hash.
+/// Applies the records of a reader and compares the solid with the newest stored hash.
 std::expected<void, JournalError> apply_records(JournalReader& reader,
                                                 const std::filesystem::path& file,
                                                 const std::stop_token& stop, Replayed& block) {
   const auto begin = Clock::now();
   const auto& hashes = reader.state_hashes();
   const bool comparable = reader.header().kernel_version == kKernelVersion && !hashes.empty();
-  const StateHash newest = comparable ? hashes.back() : StateHash{};  // sequence 0: no hash
+  const StateHash newest = comparable ? hashes.back() : StateHash{};  // sequence 0: no hash to
+                                                                      // compare
   RecordedBlock carved(std::move(block.sculpture), block.start, file);
   const auto settle = [&]() -> std::expected<void, JournalError> {
     if (const auto ok = carved.settle(stop); !ok) {
@@ -106,7 +107,7 @@ std::expected<void, JournalError> apply_records(JournalReader& reader,
                                    "replay gives state hash " + hash_text(hash) +
                                        ", the journal stores " + hash_text(newest.hash)));
   };
-  if (auto ok = compare(); !ok) return ok;  // of the snapshot
+  if (auto ok = compare(); !ok) return ok;  // hash of the snapshot itself
   for (;;) {
     const auto record = reader.next();
     if (!record) return std::unexpected(record.error());
@@ -127,7 +128,7 @@ std::expected<void, JournalError> apply_records(JournalReader& reader,
   return {};
 }
 
-/// The error says why the snapshot, or the records after it, cannot be used.
+/// The error says why the snapshot or the records after it cannot be used.
 std::expected<Replayed, std::string> replay_from_snapshot(
     const std::filesystem::path& file, const std::filesystem::path& snapshot_path,
     const SnapshotHead& head, const std::stop_token& stop) {
@@ -157,8 +158,8 @@ std::expected<Replayed, std::string> replay_from_snapshot(
   return *std::move(block);
 }
 
-/// Restores a block from one snapshot. The error says why that cannot be used; empty: there is
-/// none.
+/// Restores a block from one snapshot. The error says why it cannot be used; empty if there is no
+/// snapshot.
 std::expected<Replayed, std::string> try_snapshot(const std::filesystem::path& file,
                                                   const std::filesystem::path& snapshot,
                                                   const std::stop_token& stop) {
@@ -166,7 +167,7 @@ std::expected<Replayed, std::string> try_snapshot(const std::filesystem::path& f
     const auto head = read_snapshot_head(snapshot);
     if (head) return replay_from_snapshot(file, snapshot, *head, stop);
     return std::unexpected(head.error().is_missing ? "" : head.error().reason);
-  } catch (const std::exception& error) {  // e.g. it needs more memory than there is
+  } catch (const std::exception& error) {  // e.g. not enough memory
     return std::unexpected(std::string("it cannot be used: ") + error.what());
   }
 }

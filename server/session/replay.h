@@ -15,7 +15,7 @@
 
 namespace kerf {
 
-/// The newest snapshot beside a journal, the one before it, or neither.
+/// The newest snapshot of a journal, the one before it, or neither.
 enum class UsedSnapshot : std::uint8_t { kNone, kNewest, kPrevious };
 
 /// The state of a session restored from its journal.
@@ -24,8 +24,8 @@ struct Replayed {
   JournalHeader header;
   Sculpture sculpture;
   SolidSnapshot start;  ///< the solid before the first record
-  /// Of a salvaged journal: the record after which that was the solid; the motions before it are
-  /// lost. 0: the journal has them all.
+  /// Salvaged journal: the record after which `start` was the solid. The motions before it are
+  /// lost. 0 for a complete journal.
   std::uint64_t base = 0;
   std::uint64_t last_sequence = 0;
   ParticipantId last_participant = 0;
@@ -33,17 +33,18 @@ struct Replayed {
   Lists lists = {};
   JournalParent parent = {};
   StateHash hash;  ///< of the solid after the last record
-  /// Stored hashes beyond the last record, which were ignored: the journal has lost its end.
+  /// Number of stored hashes beyond the last record, which were ignored: the journal has lost its
+  /// end.
   std::size_t dropped_hashes = 0;
-  /// The snapshot from which the replay began, and its last record; 0: from the start.
+  /// The snapshot from which the replay began, and its last record; 0 if it began from the start.
   UsedSnapshot snapshot = UsedSnapshot::kNone;
   std::uint64_t snapshot_sequence = 0;
-  /// Why the newest snapshot, or both, were ignored, as one sentence; empty: none was.
+  /// Why the newest snapshot, or both, were ignored, as one sentence; empty if none was.
   std::string snapshot_fault = {};
-  std::chrono::microseconds replay_time{0};  ///< of the records after the snapshot
+  std::chrono::microseconds replay_time{0};  ///< for the records after the snapshot
 
-  /// The journal's hashes are of another version of the kernel: the block has been carved again by
-  /// this one, and may differ from what was cut then.
+  /// True if another version of the kernel wrote the journal's hashes: this version has carved the
+  /// block again, and it may differ from the original.
   bool is_recarved() const { return header.kernel_version != kKernelVersion; }
 };
 
@@ -54,8 +55,8 @@ struct Replayed {
 std::expected<Replayed, JournalError> replay(const std::filesystem::path& file,
                                              const std::stop_token& stop = {});
 
-/// The same result, from a snapshot beside the journal and the records after it: the newest one, or
-/// else the one before it. If neither can be used, all records are replayed. Records before the
+/// Returns the result of replay(), from the newest usable snapshot next to the journal and the
+/// records after it. Replays all records if neither snapshot can be used. Records before the
 /// snapshot are not verified.
 std::expected<Replayed, JournalError> restore(const std::filesystem::path& file,
                                               const std::stop_token& stop = {});

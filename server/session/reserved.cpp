@@ -32,7 +32,8 @@ bool overlaps(const Bounds& one, const Bounds& other) {
 }  // namespace
 
 Bounds swept_bounds(const MoveTool& move, const Tool& tool, double margin_mm) {
-  // An axis that turns from a to b leaves the chord between them by 1 - cos(angle / 2) at most.
+  // An axis that turns from a to b deviates from the chord between them by at most 1 - cos(angle /
+  // 2).
   const Vec3 chord = move.to.axis - move.from.axis;
   const double sagitta = 1 - std::sqrt(std::max(0.0, 1 - dot(chord, chord) / 4));
   const double beyond_mm = tool.radius_mm + tool.length_mm * sagitta + margin_mm;

@@ -18,13 +18,13 @@ Bounds swept_bounds(const MoveTool& move, const Tool& tool, double margin_mm);
 
 /// The reserved regions of a block. A motion whose bounds reach into the stock inside a region is
 /// rejected, before it is journaled, unless its participant may cut there. The bounds are larger
-/// than what the tool cuts, so a motion that passes close by may be rejected too. Replay does not
-/// judge: the journal holds only motions that were allowed.
+/// than the actual cut, so a motion that passes close by may be rejected too. Replay does not check
+/// regions: the journal holds only accepted motions.
 class Reserved {
  public:
   explicit Reserved(const SculptureSettings& settings);
 
-  /// Replaces the regions. What lies outside the stock is left out: there is nothing to cut.
+  /// Replaces the regions, clipped to the stock.
   void set(const std::vector<Region>& regions);
   bool is_empty() const { return regions_.empty(); }
   std::optional<Rejection> judge(const ParticipantState& state, const MoveTool& move,

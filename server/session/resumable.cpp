@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-/// As the journal knows it, and so after a restart.
+/// Returns the agent's state in the journal, as after a restart.
 ResumableAgent stored(const JournalParticipant& participant) {
   return {*participant.token, participant.name, participant.color, participant.agent_sequence,
           DurableMark(participant.agent_sequence)};
@@ -95,7 +95,7 @@ Resumable::Recall Resumable::recall(std::string_view token, const SessionJournal
     forget(id);
     return Recall::kDamaged;
   }
-  // Its row is written with the group in which it has joined.
+  // The row of an agent is written with the group in which it joined.
   if (!agent || !*agent) return Recall::kLater;
   keep(id, stored(**agent), is_present, journal.sequence());
   return Recall::kFound;

@@ -18,7 +18,7 @@
 
 namespace kerf {
 
-/// An agent that may come back with its token.
+/// An agent that may return with its token.
 struct ResumableAgent {
   TokenHash token{};
   std::string name, color;
@@ -28,64 +28,65 @@ struct ResumableAgent {
   /// have been undone.
   bool in_stroke = false;
   bool is_in_stock = false;  ///< as in ParticipantState
-  RateLimit resumes{2, 10};  ///< per second, and at once
+  RateLimit resumes{2, 10};  ///< 2 per second, 10 at once
   bool is_muted = false;
-  std::uint64_t turn = 0;  ///< grows with each keep()
+  std::uint64_t turn = 0;  ///< increases with each keep()
 };
 
-/// The agents of a session that may resume, by participant: all tokens that were given, and what
-/// else is known of those that are present and of the others that came or left last, up to kKept
-/// together. Of the rest the journal knows it, as after a restart.
+/// The agents of a session that may resume, by participant. Holds all tokens ever issued, and the
+/// state of the agents present and of those that came or left last, kKept in total. The state of
+/// older agents is read from the journal, as after a restart.
 class Resumable {
  public:
   static constexpr std::size_t kKept = 1024;
 
   Resumable() = default;
-  /// The agents of a journal that has been replayed.
+  /// Starts with the agents of a replayed journal.
   explicit Resumable(std::span<const JournalParticipant> participants);
 
-  /// Adds an agent, or updates what is known of it but for its rate of resuming. Above kKept the
-  /// one that is not present and was kept longest ago is left to the journal, whose last record is
-  /// `record`; those that are muted or in stock, which the journal does not know, after all others.
+  /// Adds or updates an agent, except for its rate of resuming. If there are more than kKept, drops
+  /// the state of the absent agent kept longest ago, which the journal has up to its last record
+  /// `record`. Muted agents and those in stock are dropped last, because the journal does not know
+  /// this.
   void keep(ParticipantId id, ResumableAgent agent,
             const std::function<bool(ParticipantId)>& is_present, std::uint64_t record);
   /// The agent cannot resume any more.
   void forget(ParticipantId id);
-  /// Null if it is unknown, or left to the journal.
+  /// Null if unknown or dropped to the journal.
   ResumableAgent* find(ParticipantId id);
-  /// The next motion of each begins a stroke.
+  /// Makes the next motion of each agent begin a stroke.
   void end_strokes() {
     for (auto& [id, agent] : agents_) agent.in_stroke = false;
   }
   /// Returns the participant to whom a token was given; nullopt for an unknown or malformed one.
   std::optional<ParticipantId> owner(std::string_view token) const;
 
-  /// What has come of a recall().
+  /// Outcome of recall().
   enum class Recall {
     kFound,    ///< find() has the agent
-    kLater,    ///< the journal cannot be read now, or not all of its samples are committed
-    kDamaged,  ///< its row is damaged: its token is forgotten
+    kLater,    ///< the journal cannot be read now, or not all samples of the agent are committed
+    kDamaged,  ///< the agent's row is damaged: its token is forgotten
   };
-  /// Reads what is known of the owner() of a token from the journal, unless find() has it.
+  /// Reads the state of a token's owner() from the journal, unless find() has it.
   Recall recall(std::string_view token, const SessionJournal& journal,
                 const std::function<bool(ParticipantId)>& is_present);
 
  private:
-  /// A hash is as good as random.
+  /// Uses the first bytes of the SHA-256 as hash value.
   struct FirstBytes {
     std::size_t operator()(const TokenHash& hash) const;
   };
   struct Given {
     ParticipantId participant = 0;
-    std::uint64_t record = 0;  ///< left to the journal: the last one when that was
+    std::uint64_t record = 0;  ///< last record of the journal when the state was dropped
   };
   void leave_one_to_journal(ParticipantId except,
                             const std::function<bool(ParticipantId)>& is_present,
                             std::uint64_t record);
 
   std::map<ParticipantId, ResumableAgent> agents_;
-  /// Some 70 bytes for each agent that has ever joined with a token; its rows in the journal take
-  /// more. Found by their SHA-256, so the time of a search says nothing of a token.
+  /// About 70 bytes for each agent that ever joined with a token, less than its rows in the
+  /// journal. Keyed by SHA-256, so the lookup time reveals nothing about a token.
   std::unordered_map<TokenHash, Given, FirstBytes> tokens_;
   std::uint64_t turns_ = 0;
 };

@@ -8,10 +8,10 @@
 
 namespace kerf {
 
-/// The participants of a session as viewers see them, in the order of their ids. Viewers beyond
-/// kListedViewersMax are only counted: their names would be most of what the server sends.
+/// The participants of a session as viewers see them, by ascending id. In large sessions viewers
+/// are counted, not listed: their names would dominate the server's traffic.
 struct Roster {
-  /// If a session has more viewers than this, none of them is listed.
+  /// If a session has more viewers than this, none is listed.
   static constexpr std::size_t kListedViewersMax = 50;
 
   std::vector<Participant> listed;
@@ -20,7 +20,8 @@ struct Roster {
 
 /// The difference between two rosters of one session.
 struct RosterChange {
-  std::vector<Participant> changed;  ///< new in the list, or with another tool, role, mute or reach
+  std::vector<Participant> changed;  ///< new in the list, or with a changed tool, role, mute or
+                                     ///< reach
   std::vector<ParticipantId> left;   ///< no longer in the list
   std::size_t viewers = 0;           ///< of the newer roster
 };

@@ -10,8 +10,8 @@
 namespace kerf {
 namespace {
 
-/// Bounds of the time between two state hashes: at least kHashInterval, and at least
-/// kHashCostFactor times the time that the previous one took to compute.
+/// State hashes are computed at least kHashInterval apart, and at least kHashCostFactor times the
+/// duration of the previous computation.
 constexpr std::chrono::microseconds kHashInterval{500'000};
 constexpr int kHashCostFactor = 20;
 
@@ -53,7 +53,7 @@ void Session::note_times(std::int64_t created_ms, std::int64_t active_ms) {
 void Session::show_figures() {
   const auto relaxed = std::memory_order_relaxed;
   if (shown_motions_.load(relaxed) != sculpture_.motions() ||
-      shown_removed_mm3_.load(relaxed) != sculpture_.removed_volume_mm3() ||  // after an undo
+      shown_removed_mm3_.load(relaxed) != sculpture_.removed_volume_mm3() ||  // changed by an undo
       shown_participants_.load(relaxed) != participants_.count()) {
     active_ms_.store(Clock::wall_ms(), relaxed);
   }
@@ -70,7 +70,7 @@ void Session::leave(ParticipantId id) {
   show_figures();
 }
 
-/// Drops the rest of a participant's batch; completes the motion that is cut in part.
+/// Drops the rest of a participant's batch and completes its partly cut motion.
 void Session::forget_batch(ParticipantId id) {
   carving_.leave(id);
   if (carving_.is_between_records()) {
@@ -78,7 +78,7 @@ void Session::forget_batch(ParticipantId id) {
   }
 }
 
-/// The first change after a pause is reported at once, those that follow it together.
+/// Reports the first change after a quiet period at once, and batches those that follow.
 void Session::report_changes() {
   const auto now = Clock::now();
   const auto next = changes_reported_ + kChangeInterval;
@@ -112,7 +112,7 @@ std::expected<Participant, Rejection> Session::join(const JoinRequest& request) 
 std::uint64_t Session::durable_sequence(ParticipantId id) {
   ParticipantState* state = participants_.find(id);
   if (state == nullptr) return 0;
-  // What is rejected without a lease is not settled: the next owner may accept it.
+  // Without a lease rejections are not final either: the next owner may accept the samples.
   return state->durable.committed(journal_.is_fenced() ? 0 : journal_.durable_sequence());
 }
 

@@ -42,16 +42,16 @@ namespace kerf {
 class BlockHistory;
 class Workers;
 
-/// Ids of the viewers of followed sessions are greater than this, those of their owners smaller.
+/// Viewers of followed sessions have ids above this. The owner's participants have ids below.
 inline constexpr ParticipantId kFollowerIds = 0x4000'0000;
 
 /// One block with its participants, programs and journal. Functions under "executor only" must run
 /// on the session's executor, which decides the order of motions.
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  /// The least times between two reports of changed participants, and of changed programs.
+  /// Minimum intervals between two reports of changed participants and of changed programs.
   static constexpr std::chrono::milliseconds kChangeInterval{250}, kProgramUpdateInterval{250};
-  /// An agent that has sent a sample within this time is moving.
+  /// An agent is moving if it sent a sample within this time.
   static constexpr std::chrono::milliseconds kAgentIsActive{200};
 
   /// Takes over a replayed (or new) block and its journal. `workers` computes state hashes and must
@@ -65,33 +65,33 @@ class Session : public std::enable_shared_from_this<Session> {
   const std::string& id() const { return id_; }
   const Scene& scene() const { return scene_; }
   std::uint32_t epoch() const { return journal_.epoch(); }
-  /// The session from a point of which this one began; its id is empty if there is none.
+  /// The session from which this one was branched; empty id if none.
   const JournalParent& parent() const { return parent_; }
   const std::filesystem::path& journal_file() const { return journal_.file(); }
   Executor& executor() { return *executor_; }
   const DexelGrid& grid() const { return sculpture_.grid(); }
   /// Blocks until all motions applied before the call are in the journal file.
   std::expected<void, JournalError> flush() { return journal_.flush(); }
-  /// Commits and closes the journal, with a last snapshot if that saves time at the next start.
-  /// Call once, after close(). Afterwards no snapshot is written.
+  /// Commits and closes the journal. With `with_snapshot`, writes a last snapshot if that saves
+  /// time at the next start. Call once, after close(). Afterwards no snapshot is written.
   std::expected<void, JournalError> finish_journal(bool with_snapshot = false);
   /// Number of the last record that is committed.
   std::uint64_t committed() const { return journal_.committed(); }
   std::size_t journal_lag() const { return journal_.lag(); }  ///< records not yet committed
-  /// The error of the disk or the lease while the session is paused, else nullopt: motions are
-  /// rejected (kBusy) until a write, tried every second, succeeds, a limit of the disk allows more,
-  /// or the lease is renewed.
+  /// The error of the disk or the lease while the session is paused, else nullopt. Motions are then
+  /// rejected (kBusy) until a write succeeds (retried every second), the disk limit allows more, or
+  /// the lease is renewed.
   std::optional<JournalError> pause() const { return journal_.pause(); }
   JournalFigures journal_figures() const { return journal_.figures(); }
   CopyNote& copy() const { return journal_.copy(); }
   JournalHealth& health() const { return journal_.health(); }
   /// The first record after which the block is known (Replayed::base).
   std::uint64_t base() const { return base_; }
-  /// Stores or removes an attachment of the journal; without effect in a followed session.
+  /// Stores or removes an attachment of the journal. No effect in a followed session.
   void attach(AttachmentChange change) { journal_.attach(std::move(change)); }
   /// Size of the journal, its side files and the snapshots, bytes.
   std::uintmax_t disk_bytes() const { return session_bytes(journal_.file()); }
-  /// Waits for nothing, also while the executor is busy.
+  /// Does not block, even while the executor is busy.
   SessionFigures figures() const {
     return {shown_motions_, shown_removed_mm3_, shown_participants_, created_ms_, active_ms_};
   }
@@ -100,41 +100,41 @@ class Session : public std::enable_shared_from_this<Session> {
   /// CPU time of the session's thread by participant, s.
   std::map<ParticipantId, double> cpu_costs() const { return carving_.costs().all(); }
 
-  /// Pauses the session while its files, or all of the folder, have reached a limit; writes no
-  /// snapshots when they are close to it. `shared` is the level of the limits of all sessions. Call
-  /// from one thread at a time.
+  /// Pauses the session while its files or the data folder have reached a limit. Writes no
+  /// snapshots when they are close to it. `shared` is the level of the limits that all sessions
+  /// share. Call from one thread at a time.
   void keep_disk_limits(const DiskLimits& limits, const DiskUse& use, DiskLevel shared);
-  /// What the journal says of the times in figures(). Call once, before the session is used.
+  /// Sets the times of figures(), as read from the journal. Call once, before the session is used.
   void note_times(std::int64_t created_ms, std::int64_t active_ms);
-  /// Carves motions of several participants at the same time from now on, on `carvers`, which
+  /// Carves motions of several participants in parallel from now on, on `carvers`, which must
   /// outlive the session. Call once, when the session has been created.
   void carve_on(Workers& carvers) { carvers_ = &carvers; }
-  /// The servers that may continue the session; they outlive it. Samples are durable from now on
-  /// when they are copied too, with `needs_copy`. Call once, when the session has been created.
+  /// Sets the servers that may continue the session; they must outlive it. With `needs_copy`,
+  /// samples are durable only once they are copied. Call once, when the session has been created.
   void place_in(const SessionPlaces* places, bool needs_copy) {
     places_ = places;
     if (needs_copy) journal_.require_copy();
   }
-  /// Their addresses, without this server's.
+  /// Addresses of the other servers that may continue the session.
   std::vector<std::string> other_servers() const {
     return places_ == nullptr ? std::vector<std::string>{} : places_->other_servers();
   }
-  /// Writes a snapshot now and then from now on. Call once, when the session has been created.
+  /// Writes snapshots periodically from now on. Call once, when the session has been created.
   void keep_snapshots(SnapshotOptions options);
 
   // ---- executor only ----
   std::expected<Admission, Rejection> admit(const JoinRequest& request);
-  /// As admit(), for a participant that does not resume.
+  /// Like admit(), for a participant that does not resume.
   std::expected<Participant, Rejection> join(const JoinRequest& request);
   /// See Participants.
   std::optional<double> viewer_turn() { return participants_.viewer_turn(); }
   void leave(ParticipantId id);
-  /// A participant as it is now; nullopt for an unknown id.
+  /// The current state of a participant. Nullopt for an unknown id.
   std::optional<Participant> participant(ParticipantId id) {
     const ParticipantState* state = participants_.find(id);
     return state == nullptr ? std::nullopt : std::optional(state->participant);
   }
-  /// The personal grant of a participant; empty: it has none.
+  /// The personal grant of a participant; empty if none.
   std::string person(ParticipantId id) {
     const ParticipantState* state = participants_.find(id);
     return state == nullptr ? "" : state->person;
@@ -143,7 +143,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool remove(ParticipantId id, const std::string& reason) {
     return participants_.remove(id, reason);
   }
-  /// Removes those who hold one of these grants, and cancels their programs.
+  /// Removes the holders of these grants and cancels their programs.
   void remove_holders(std::span<const std::string> grants, const std::string& reason);
   void set_role_of(const std::string& person, Role role) {
     participants_.set_role_of(person, role);
@@ -152,37 +152,39 @@ class Session : public std::enable_shared_from_this<Session> {
   void set_muted_of(const std::string& person, bool muted) {
     participants_.set_muted_of(person, muted);
   }
-  /// Replaces the regions of the block that are reserved.
+  /// Replaces the reserved regions of the block.
   void reserve(const std::vector<Region>& regions) { carving_.reserve(regions); }
   std::expected<void, Rejection> choose_tool(ParticipantId id, ToolId tool);
   void set_reach(ParticipantId id, const std::optional<DeviceReach>& reach);
   /// Validates, journals and applies each sample in turn. A rejected sample changes nothing and
   /// does not stop the samples after it.
   MotionAnswer move(ParticipantId id, std::span<const wire::MotionSample> samples);
-  /// The same, for one turn of the executor. Returns nothing if the samples are more work than
-  /// that, or wait for those of other agents that move, with which they are carved on several
-  /// threads: then the caller calls go_on() in later turns, until it returns the answer. Motions of
-  /// other participants may come in between; the solid does not depend on that.
+  /// Like move(), for one turn of the executor. Returns nullopt if the samples are more work than
+  /// that, or wait to be carved in parallel with those of other moving agents. The caller then
+  /// repeats go_on() in later turns until it returns the answer. Motions of other participants may
+  /// come in between. The solid does not depend on that.
   std::optional<MotionAnswer> begin_move(ParticipantId id,
                                          std::span<const wire::MotionSample> samples);
   std::optional<MotionAnswer> go_on(ParticipantId id);
-  /// The newest sample of an agent that is durable (DurableMark); 0: none.
+  /// The agent's newest durable sample (DurableMark); 0 if none.
   std::uint64_t durable_sequence(ParticipantId id);
-  /// Whether another agent is moving: a participant with much work leaves it half of the time.
+  /// Whether another agent is moving, so that a participant with much work must leave it half of
+  /// the time.
   bool has_other_agent(ParticipantId id) const {
     return participants_.has_active_agent(kAgentIsActive, id);
   }
-  /// Whether a motion is cut in part, or a stroke that was undone or redone is still to be taken
-  /// out or put back, so that the solid is not that of any record of the journal.
+  /// Whether a motion is partly cut, or an undo or redo is not yet carved into the solid, so that
+  /// the solid matches no record of the journal.
   bool is_between_records() const { return carving_.is_between_records() || !unsettled_.empty(); }
 
   /// Returns the update that the participant's replica of the block lacks; nullopt if it is
   /// complete or the participant keeps none.
   std::optional<StockUpdate> stock_update(ParticipantId id);
-  /// The participant has applied all patches up to `sequence`. Rejects a patch that was not sent,
-  /// and participants without a replica.
+  /// The participant has applied all patches up to `sequence`. Fails for a patch that was not sent,
+  /// and for participants without a replica.
   std::expected<void, Rejection> ack_stock(ParticipantId id, std::uint64_t sequence);
-  /// Returns the poses of other agents' tools near the participant's; none unless it has asked.
+  /// Returns the poses of other agents' tools near the participant's; empty unless it has requested
+  /// them.
   wire::Intents intents(ParticipantId id);
   /// The participant's replica is invalid: the next patch starts a new one. No effect for
   /// participants without a replica.
@@ -192,7 +194,7 @@ class Session : public std::enable_shared_from_this<Session> {
   /// the scene lacks, and an `after` that is unknown or has ended without having finished.
   std::expected<ProgramStatus, Rejection> start_program(ProgramJob job, ProgramOptions request,
                                                         const Caller& caller = Caller::local());
-  /// Lists the programs that had not ended when another server did, or this one at its last stop.
+  /// Lists the programs that were running when another server ended, or this one at its last stop.
   void list_stopped(const std::vector<Attachment>& attachments);
   std::optional<ProgramStatus> program(ProgramId id) const { return programs_.status(id); }
   std::vector<ProgramStatus> programs() const { return programs_.list(); }
@@ -207,7 +209,7 @@ class Session : public std::enable_shared_from_this<Session> {
   SessionMatters& matters() { return matters_; }
 
   SessionInfo info() const;
-  /// All of them; of a followed session, its owner's viewers are not.
+  /// All participants. A followed session does not know its owner's viewers.
   std::vector<Participant> participants() const;
   /// The participants as viewers see them. Viewers at other servers are counted.
   Roster roster() const;
@@ -218,32 +220,32 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t sequence() const { return journal_.sequence(); }
   /// The hash of the solid at sequence(), if known.
   std::optional<StateHash> current_hash() const { return journal_.current_hash(); }
-  /// Stores and journals the hash of the solid after record `state.sequence`, which was read while
+  /// Stores and journals the hash of the solid after record `state.sequence`, computed while
   /// is_between_records() was false.
   void note_hash(StateHash state);
 
-  /// Undoes or redoes strokes: afterwards the block is, to the bit, the one in which only the
-  /// others have happened. Blocks until it is so: not on the executor. Others carve meanwhile; the
-  /// session's thread is taken for about a millisecond at a time. Requests wait for each other.
-  /// Answers kNotAllowed, kBadMessage for a stroke that does not exist or is so already, kBusy if
-  /// the disk fails or `stop` was requested early, and kDamagedJournal.
+  /// Undoes or redoes strokes. Afterwards the block is, to the bit, as if only the remaining
+  /// strokes had happened. Blocks until then: do not call on the executor. Participants carve
+  /// meanwhile: the session's thread is used for about a millisecond at a time. Requests wait for
+  /// each other. Errors: kNotAllowed; kBadMessage for a stroke that does not exist or is already in
+  /// that state; kBusy if the disk fails or `stop` was requested early; kDamagedJournal.
   std::expected<StrokesChanged, Rejection> change_strokes(const StrokeRequest& request,
                                                           Workers& workers,
                                                           const std::stop_token& stop = {});
   using StrokesDone = std::function<void(const std::expected<StrokesChanged, Rejection>&)>;
-  /// The same, from the executor: it is done on the thread that does long work, with the caller's
-  /// turn of the executor free, and `done` is called on the executor.
+  /// Like change_strokes(), from the executor. The work is done on the background thread while the
+  /// executor serves participants. `done` is called on the executor.
   void change_strokes_later(StrokeRequest request, StrokesDone done);
-  /// Returns the solid as it was after a record: without the strokes that were undone then. Blocks:
-  /// not on the executor. The error is one sentence; nullopt if there is no such record yet.
+  /// Returns the solid as of a record, without the strokes that were undone then. Nullopt if there
+  /// is no such record yet. The error is one sentence. Blocks: do not call on the executor.
   std::expected<std::optional<SolidSnapshot>, std::string> solid_at(
       std::uint64_t record, Workers& workers, const std::stop_token& stop = {});
-  /// Returns all tiles that motions have reached, as they were after a record; else as solid_at().
-  /// Stops for the requests about strokes that come meanwhile, and goes on after them.
+  /// Returns all tiles that motions have reached, as of a record. Result and errors as for
+  /// solid_at(). Yields to requests about strokes that come meanwhile, then continues.
   std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_at(
       std::uint64_t record, Workers& workers, const std::stop_token& stop = {});
-  /// Returns where the carving of the forces of records from `first` on begins (export_force_plot);
-  /// else as solid_at().
+  /// Returns the start for carving the forces of the records from `first` on (export_force_plot).
+  /// Errors as for solid_at().
   std::expected<FeltStart, std::string> felt_start(std::uint64_t first,
                                                    std::optional<ParticipantId> only,
                                                    Workers& workers,
@@ -251,27 +253,28 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Returns the strokes whose last record is `since` or later. Blocks: not on the executor.
   std::expected<std::vector<ListedStroke>, std::string> strokes(std::uint64_t since,
                                                                 const std::stop_token& stop = {});
-  /// BlockHistory, of the motions that make up the block after a record. Block, as strokes() does.
+  /// Queries BlockHistory about the motions that make up the block after a record. Block as
+  /// strokes() does.
   std::expected<std::optional<SurfaceMaker>, std::string> first_to_remove(
       const StockCell& cell, std::uint64_t record, const std::stop_token& stop = {});
   std::expected<std::vector<ParticipantId>, std::string> owners(std::span<const StockCell> cells,
                                                                 std::uint64_t record,
                                                                 const std::stop_token& stop = {});
 
-  // Of a session that another server runs and this one follows:
-  /// Applies the next records, which are in the journal's file, for some milliseconds; returns how
-  /// many. Strokes that are undone or redone are carved later. The error is one sentence.
+  // For a followed session, which another server runs:
+  /// Applies the next records of the journal's file for some milliseconds and returns how many.
+  /// Undone and redone strokes are carved later. The error is one sentence.
   std::expected<std::size_t, std::string> follow(std::span<const JournalRecord> records);
-  /// Compares a hash of the owner with that of the solid; false: they are not of the same solid.
-  /// The error, one sentence, says how they differ.
+  /// Compares the owner's hash with that of the solid. Returns false if the two cannot be compared,
+  /// because they belong to different states. The error is one sentence that describes a mismatch.
   std::expected<bool, std::string> compare_hash(StateHash owners) const;
   void follow_live(LiveState state, std::size_t viewers_elsewhere);
-  // Of one that others follow:
+  // For a session that other servers follow:
   LiveState live_state() const;  ///< without the viewers
   void note_viewers_elsewhere(std::size_t viewers);
 
   /// Calls `listener` on the executor at each event until unlisten() with the returned number.
-  /// Changes of the participants are collected: they are reported every kChangeInterval at most.
+  /// Changes of participants are collected and reported at most every kChangeInterval.
   int listen(SessionListener listener) { return participants_.listen(std::move(listener)); }
   void unlisten(int listener) { participants_.unlisten(listener); }
   /// Notifies the listeners and cancels the programs. Nothing is applied afterwards.
@@ -286,7 +289,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void schedule_programs();
   std::optional<std::vector<ProgramGlance>> program_update(bool all);
   void run_programs();
-  /// `for_good`: their attachments go too.
+  /// `for_good`: also deletes their attachments.
   void retire_programs(bool for_good = true);
   void forget_batch(ParticipantId id);
   void finish_left();
@@ -319,9 +322,9 @@ class Session : public std::enable_shared_from_this<Session> {
   void settle_later();
   void follow_change(const StrokeChange& change);
   void show_live(SessionFrame& frame, bool all);
-  /// Does long work that nobody waits for.
+  /// The executor for long work that nobody waits for.
   Executor& background() { return snapshots_.writer != nullptr ? *snapshots_.writer : workers_; }
-  /// Frees the memory of the history, unless somebody asks about it now.
+  /// Frees the memory of the history unless it is in use.
   void forget_history();
 
   std::shared_ptr<Executor> executor_;  ///< first, so that it is destroyed last
@@ -339,7 +342,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t programs_sent_ = 0;  ///< ProgramRuns::changes() as of the last frame with programs
   Clock::time_point programs_sent_at_{};
   Executor& workers_;
-  const SessionPlaces* places_ = nullptr;  ///< null: there is one server only
+  const SessionPlaces* places_ = nullptr;  ///< null if there is only one server
   Workers* carvers_ = nullptr;             ///< null: the session's thread carves alone
   bool hash_scheduled_ = false;
   std::chrono::microseconds hash_cost_{0};
@@ -347,23 +350,26 @@ class Session : public std::enable_shared_from_this<Session> {
   SnapshotOptions snapshots_;
   SnapshotSchedule schedule_;
   std::unique_ptr<SculptureState> last_state_;  ///< of a closed session
-  std::mutex snapshot_mutex_;                   ///< held while one is written; guards the next
+  std::mutex snapshot_mutex_;                   ///< held while a snapshot is written; guards the
+                                                ///< next
   bool snapshots_ended_ = false, snapshots_fail_ = false;
-  UsedSnapshot good_snapshot_;  ///< the newest one that a restart can use
+  UsedSnapshot good_snapshot_;  ///< newest snapshot usable for a restart
   std::atomic<bool> disk_is_low_ = false;
-  DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next: keep_disk_limits()
-  std::optional<JournalErrorCode> reached_;      ///< the limit of the disk
+  DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next are set by
+                                                 ///< keep_disk_limits()
+  std::optional<JournalErrorCode> reached_;      ///< the disk limit that has been reached
   Clock::time_point changes_reported_{};
-  HistoryTurns history_turns_;             ///< who uses the next one
-  std::unique_ptr<BlockHistory> history_;  ///< made when it is first needed
+  HistoryTurns history_turns_;             ///< whose turn it is to use the next one
+  std::unique_ptr<BlockHistory> history_;  ///< created on first use
   std::uint64_t history_read_ = 0;         ///< record up to which it was read ahead
   bool reads_ahead_ = false;
   SessionMatters matters_;
   JournalParent parent_;
-  std::optional<LiveState> live_;  ///< of a followed session: what its owner has stated last
+  std::optional<LiveState> live_;  ///< followed session: the newest statement of its owner
   std::string live_programs_sent_;
   std::size_t viewers_elsewhere_ = 0;
-  std::map<StrokeId, std::uint64_t> unsettled_;  ///< change of each that the block has not: record
+  std::map<StrokeId, std::uint64_t> unsettled_;  ///< record of each change not yet carved into the
+                                                 ///< block
   std::atomic<std::uint64_t> shown_motions_ = 0;
   std::atomic<double> shown_removed_mm3_ = 0;
   std::atomic<std::size_t> shown_participants_ = 0;

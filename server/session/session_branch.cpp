@@ -17,7 +17,7 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::branch(
         kBadId, "a session id must be 1 to 64 characters from a-z, 0-9, - and _", {}});
   }
   if (auto full = disk_obstacle()) return std::unexpected(*std::move(full));
-  // The copy takes at most as much as the journal, which may fill the disk by itself.
+  // The copy is at most as large as the journal, so it could fill the disk.
   DiskUse then = disk_use();
   const std::uintmax_t bytes = parent.disk_bytes();
   then.folder += bytes;
@@ -30,7 +30,7 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::branch(
   }
   const auto reserved = reserve(std::move(id), parent.scene().name);
   if (!reserved) return std::unexpected(reserved.error());
-  // The definitions of the tools come first; without them nobody could cut.
+  // Always include the first records: they define the tools, without which nobody could cut.
   const std::uint64_t last = std::max<std::uint64_t>(record, parent.scene().tools.size());
   const JournalParent point{parent.id(), last, parent.epoch(), Clock::wall_ms()};
   return start_new(

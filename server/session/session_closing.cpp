@@ -18,10 +18,10 @@ RegistryError no_closed_session(const std::string& name) {
   return {RegistryErrorCode::kUnknown, "no closed session has the name " + name, {}};
 }
 
-/// s since 1970; the smaller numbers at the ends of names tell files of one second apart.
+/// s since 1970. A smaller number at the end of a name is a counter for files of the same second.
 constexpr std::int64_t kSecondsMin = 1'000'000'000;
 
-/// Takes "-NUMBER" off the end of a name and returns the number; 0: the name has none.
+/// Removes "-NUMBER" from the end of a name and returns the number; 0 if the name has none.
 std::int64_t take_number(std::string_view& name) {
   const std::size_t dash = name.rfind('-');
   if (dash == std::string_view::npos || dash == 0) return 0;
@@ -33,8 +33,8 @@ std::int64_t take_number(std::string_view& name) {
   return number;
 }
 
-/// The id and the time in the name of a closed session, ID-SECONDS or ID-SECONDS-N. Any other name,
-/// as of a file that somebody has put there, is the id.
+/// Parses the name of a closed session, ID-SECONDS or ID-SECONDS-N. Any other name, e.g. of a file
+/// that somebody has put there, is the id.
 ClosedSession parse_name(const std::string& name) {
   std::string_view id = name;
   std::int64_t seconds = take_number(id);
@@ -58,7 +58,7 @@ std::expected<void, RegistryError> SessionRegistry::close(const std::string& id,
   const auto not_closed = [](const JournalError& error) {
     return std::unexpected(RegistryError{RegistryErrorCode::kNotClosed, stays_open(error), {}});
   };
-  if (!purge) {  // while the session is found by everybody: this may wait for the disk
+  if (!purge) {  // while the session is still visible: this may wait for the disk
     const auto open = find(id);
     if (const auto flushed = open ? open->flush() : std::expected<void, JournalError>(); !flushed) {
       return not_closed(flushed.error());
@@ -83,14 +83,15 @@ std::expected<void, RegistryError> SessionRegistry::close(const std::string& id,
     sessions_[id] = session;
     return not_closed(ended.error());
   }
-  // All records are committed: an error could lose hashes and notes about programs only.
+  // All records are committed. An error could only lose hashes and notes about programs.
   (void)session->finish_journal();
   session.reset();
   return put_away(id, purge);
 }
 
-/// Ends a session whose records are all on the disk: in one turn of its executor, so that nothing
-/// is accepted in between. After an error it goes on. What is deleted need not be committed.
+/// Ends a session after committing its records, in one turn of its executor, so that nothing is
+/// accepted in between. After an error the session continues. With `purge` nothing needs to be
+/// committed.
 std::expected<void, JournalError> SessionRegistry::end_committed(
     const std::shared_ptr<Session>& session, bool purge) {
   return run_and_wait(session->executor(), [&]() -> std::expected<void, JournalError> {
@@ -100,8 +101,8 @@ std::expected<void, JournalError> SessionRegistry::end_committed(
   });
 }
 
-/// Moves or deletes the journal of a session that has ended. One that cannot be moved is opened
-/// again.
+/// Moves or deletes the journal of an ended session. Reopens the session if the journal cannot be
+/// moved.
 std::expected<void, RegistryError> SessionRegistry::put_away(const std::string& id, bool purge) {
   const auto file = journal_path(id);
   std::error_code error;
@@ -141,7 +142,7 @@ void SessionRegistry::hand_over(const std::string& id, const std::string& reason
     found->second = nullptr;  // the id stays reserved until the file is closed
   }
   end(session, reason, redirect);
-  (void)session->finish_journal();  // what is lost with it, the other server does not have either
+  (void)session->finish_journal();  // records lost here are unknown to the other server as well
   if (hooks_.left) hooks_.left(id);
   const std::lock_guard lock(mutex_);
   sessions_.erase(id);
@@ -162,7 +163,7 @@ std::vector<ClosedSession> SessionRegistry::closed() const {
 
 std::expected<std::filesystem::path, RegistryError> SessionRegistry::find_closed(
     const std::string& name) const {
-  const auto sessions = closed();  // a name that is not in the folder is no path either
+  const auto sessions = closed();  // a name in the folder cannot be a path
   if (std::ranges::find(sessions, name, &ClosedSession::name) == sessions.end()) {
     return std::unexpected(no_closed_session(name));
   }
@@ -218,7 +219,7 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::reopen(
     return std::unexpected(RegistryError{
         RegistryErrorCode::kJournal, file->string() + ": " + moved.error().message(), {}});
   }
-  // Back to where it was. If that fails too, the journal is loaded at the next start.
+  // Move the journal back. If that fails too, it is loaded at the next start.
   (void)keep_journal(*moved, closed_folder(), name);
   return std::unexpected(RegistryError{
       RegistryErrorCode::kJournal,

@@ -38,7 +38,7 @@ bool is_requested(const JournalRecord& record, const ProgramRequest& request,
          record.sequence <= request.last && (!request.only || *request.only == record.participant);
 }
 
-/// The motions of a journal that a program needs.
+/// The motions of a journal that belong in a program.
 class WrittenPath {
  public:
   explicit WrittenPath(const std::vector<JournalParticipant>& participants) {
@@ -47,9 +47,9 @@ class WrittenPath {
         programs_.insert(participant.participant);
     }
   }
-  /// Whether a motion is to be written after those before it. A tool at rest leaves its imprint, if
-  /// it has not come there by a motion, which leaves it too. An agent rests a thousand times a
-  /// second; the dwells of a program are part of it.
+  /// Whether to write a motion. A motion of no length is written if the path did not come there
+  /// with that tool, because the tool leaves its imprint. Other rests of agents, a thousand a
+  /// second, are dropped. Dwells of programs are kept.
   bool needs(const MoveTool& move, ParticipantId participant) {
     const bool is_there = last_ && last_->tool == move.tool && last_->to == move.to;
     if (is_there && move.from == move.to && !programs_.contains(participant)) return false;
@@ -62,15 +62,15 @@ class WrittenPath {
   std::optional<MoveTool> last_;
 };
 
-/// A journal whose forces are computed again.
+/// A journal whose forces are recomputed.
 struct FeltJournal {
   std::unique_ptr<JournalReader> reader;
   StrokeSet undone;
   std::unique_ptr<Sculpture> block;
-  std::uint64_t last;  ///< record that it holds
+  std::uint64_t last;  ///< record of the block
 };
 
-/// Makes a block what it was at `start`, with the tools of its scene.
+/// Restores a block to `start`, with the tools of its scene.
 ExportResult go_to(const FeltStart& start, const Scene& scene, Sculpture& block) {
   SculptureState state;
   state.solid = start.solid;
@@ -107,11 +107,11 @@ struct FeltMotion {
   const JournalRecord& record;
   const MoveTool& move;
   const MotionResult& result;
-  double end_s = 0;  ///< of all motions so far, or of those of the one participant; undone ones too
+  double end_s = 0;  ///< of all motions so far, or of one participant's, undone ones included
 };
 
-/// Carves the records that the block does not hold up to `last`, without the strokes that are
-/// undone, and calls `use` with each motion, or each of one participant.
+/// Carves the records after the block's own, up to `last`, without undone strokes. Calls `use` with
+/// each motion, or with each motion of one participant.
 template <typename Use>
 ExportResult for_each_felt(const FeltJournal& journal, std::optional<ParticipantId> only,
                            std::uint64_t last, const std::stop_token& stop, Use&& use) {

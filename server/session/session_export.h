@@ -28,8 +28,8 @@ struct ProgramRequest {
 };
 
 /// Writes the motions of a journal as one program, participant by participant: each path stays
-/// contiguous, and because cuts commute the solid is the same. Strokes that are undone are left
-/// out. Reads the journal twice and keeps no motions in memory.
+/// contiguous, and because cuts commute the solid is the same. Leaves out undone strokes. Reads the
+/// journal twice and keeps no motions in memory.
 ExportResult export_program(const std::filesystem::path& journal, const ProgramRequest& request,
                             std::ostream& out, const std::stop_token& stop = {});
 
@@ -40,8 +40,8 @@ struct ForcesRequest {
 };
 
 /// Writes one line per motion (server/formats/forces_csv.h), in the order of application. Forces
-/// are not stored: they are deterministic and are recomputed by carving the journal again, as if
-/// strokes that are undone had never been.
+/// are not stored: carving the journal again recomputes them exactly, as if undone strokes had
+/// never happened.
 ExportResult export_forces(const std::filesystem::path& journal, const ForcesRequest& request,
                            std::ostream& out, const std::stop_token& stop = {});
 
@@ -53,9 +53,9 @@ struct ForcePlotRequest {
 };
 inline constexpr std::size_t kForcePointsMax = 5000;
 
-/// Writes the forces that export_forces() would list as JSON with one value for each span of
-/// records (ForcePlot). Carves the journal from `start` (Session::felt_start), or from its first
-/// record, to the last one that is plotted.
+/// Writes the forces of export_forces() as JSON with one value for each span of records
+/// (ForcePlot). Carves the journal from `start` (Session::felt_start), or from its first record, to
+/// the last record of the plot.
 ExportResult export_force_plot(const std::filesystem::path& journal,
                                const ForcePlotRequest& request, std::ostream& out,
                                const std::stop_token& stop = {}, const FeltStart* start = nullptr);

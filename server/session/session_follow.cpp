@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of Session that follows the same session of another server, and that states to others
-// what they need for it.
+// The part of Session that follows the same session of another server, and that provides the state
+// which followers of this one need.
 #include <algorithm>
 #include <utility>
 
@@ -11,7 +11,7 @@
 namespace kerf {
 namespace {
 
-/// Time of the session's thread that one call of follow() takes, about.
+/// Approximate time on the session's thread of one call of follow().
 constexpr std::chrono::milliseconds kTurn{5};
 
 }  // namespace
@@ -38,7 +38,7 @@ std::expected<std::size_t, std::string> Session::follow(std::span<const JournalR
   return done;
 }
 
-/// The block is wrong from now on, until the tiles of the stroke have been carved.
+/// From now on the block is wrong until the stroke's tiles have been carved again.
 void Session::follow_change(const StrokeChange& change) {
   unsettled_[change.stroke] = sequence();
   journal_.note_removal();
@@ -47,7 +47,7 @@ void Session::follow_change(const StrokeChange& change) {
 
 std::expected<bool, std::string> Session::compare_hash(StateHash owners) const {
   const auto own = current_hash();
-  // Records after the last removal leave the solid as it is.
+  // Records after the last removal do not change the solid.
   const bool is_same_solid =
       own && owners.sequence >= journal_.removal_sequence() && owners.sequence <= own->sequence;
   if (!is_same_solid) return false;
@@ -94,7 +94,7 @@ std::vector<Participant> Session::participants() const {
   return list;
 }
 
-/// What is shown of the owner's participants, instead of one's own.
+/// Shows the owner's participants instead of this server's.
 void Session::show_live(SessionFrame& frame, bool all) {
   if (!live_) return;
   frame.tools = live_->tools;

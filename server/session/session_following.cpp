@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-/// Where the ids of a follower's viewers begin: 65,536 of one run of one server.
+/// Returns the first id for a follower's viewers: each run of a server gets 65,536 ids.
 ParticipantId first_viewer_id() {
   constexpr ParticipantId kSpan = 0x1'0000, kSpans = 0x2000;
   return kFollowerIds + kSpan * static_cast<ParticipantId>(random_number() % kSpans);

@@ -23,14 +23,15 @@ struct SessionFrame {
   double removed_mm3 = 0;
   wire::ToolStates tools;
   std::vector<TileIndex> changed;         ///< since the previous frame; sorted
-  std::optional<SolidSnapshot> snapshot;  ///< set if a tile changed or a snapshot was requested
+  std::optional<SolidSnapshot> snapshot;  ///< set if a tile changed or it was requested
   std::optional<StateHash> hash;          ///< the newest one known
-  bool hash_is_current = false;           ///< `hash` is that of the solid at `sequence`
-  std::string paused;  ///< pause_word(): motions are rejected; empty: they are not
-  /// The programs that have not ended and the newest that have, if one has changed since the
-  /// previous frame that had them; at most every kProgramUpdateInterval.
+  bool hash_is_current = false;           ///< `hash` belongs to the solid at `sequence`
+  std::string paused;                     ///< pause_word() while motions are rejected, else empty
+  /// The programs that have not ended and the newest that have. Set if one has changed since the
+  /// previous frame with programs, at most every kProgramUpdateInterval.
   std::optional<std::vector<ProgramGlance>> programs;
-  std::vector<MatterMessage> matters;  ///< of those that have changed since the previous frame
+  std::vector<MatterMessage> matters;  ///< of the matters that have changed since the previous
+                                       ///< frame
 };
 
 struct SessionInfo {
@@ -38,18 +39,18 @@ struct SessionInfo {
   std::uint64_t sequence = 0, motions = 0, sub_motions = 0;
   double stock_mm3 = 0, removed_mm3 = 0, imprint_mm3 = 0;
   std::size_t journal_lag = 0;
-  std::string paused;  ///< pause_word(): motions are rejected until it ends; empty: they are not
+  std::string paused;  ///< pause_word() while motions are rejected, else empty
   std::uint32_t epoch = 1;
   std::vector<Participant> participants;
 };
 
-/// What lists of sessions show, as of the end of the last motion or change of the participants.
+/// Entries for lists of sessions, as of the last motion or change of the participants.
 struct SessionFigures {
   std::uint64_t motions = 0;
   double removed_mm3 = 0;
   std::size_t participants = 0;
-  /// When the session was created, and when its block or its participants changed last; ms since
-  /// 1970 UTC, 0: unknown.
+  /// When the session was created, and when its block or participants last changed, ms since 1970
+  /// UTC; 0 if unknown.
   std::int64_t created_ms = 0, active_ms = 0;
 };
 

@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-/// Records that may wait for the disk before programs do. A slice adds a few hundred.
+/// Number of pending records above which programs wait for the disk. A slice adds a few hundred.
 constexpr std::size_t kProgramRecordsMax = kJournalBufferRecords / 4;
 
 Rejection not_ours() { return {wire::ErrorCode::kNotAllowed, "another server runs the session"}; }

@@ -127,7 +127,7 @@ void SessionRegistry::load(const std::string& id, LoadReport& report) {
   if (!session) {
     if (stop_loading_.stop_requested()) return;
     report.failures.push_back(session.error());
-    // Its operator may have moved it away.
+    // The operator may have moved it away.
     if (session.error().code != JournalErrorCode::kNotFound) unreadable_[id] = session.error();
     return;
   }

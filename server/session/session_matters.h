@@ -20,9 +20,9 @@ class SessionMatters final : private MatterBlock {
   SessionMatters(std::span<const MakeMatter> makers, SessionJournal& journal);
   /// Replaces all lists with those of a journal.
   void restore(const Lists& lists);
-  /// Records nothing from now on.
+  /// Ends all recording.
   void close() { closed_ = true; }
-  /// Returns the matter of a type. The session was made with it.
+  /// Returns the matter of a type that the session was created with.
   template <class M>
   M& get() {
     for (const auto& matter : matters_) {

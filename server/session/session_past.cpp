@@ -9,13 +9,12 @@
 namespace kerf {
 namespace {
 
-/// Records before a span of forces that are carved for what its first motions have pending: of a
-/// stroke that goes on in it at most so many, and of others.
+/// Number of records before a span of forces that are carved for the force pending in its first
+/// motions: at most this many for a stroke that reaches into the span, and for other strokes.
 constexpr std::uint64_t kFeltBeforeMax = 20'000;
 constexpr std::uint64_t kFeltBefore = 256;
 
-/// The record with which the carving of forces begins that are those of all motions from `first`
-/// on.
+/// Returns the record at which carving must begin to get the forces of all motions from `first` on.
 std::uint64_t felt_from(const StrokeTable& strokes, std::uint64_t first,
                         std::optional<ParticipantId> only) {
   const auto before = [&](std::uint64_t records) { return first > records ? first - records : 1; };
@@ -43,8 +42,8 @@ std::vector<FieldTile> shown_tiles(const SolidSnapshot& start, std::vector<Field
 
 }  // namespace
 
-/// Carves all tiles by the motions that `choose` names once the journal has been read; nullopt if
-/// it names none. The turn ends for those who ask for strokes, and is taken again after them.
+/// Carves all tiles with the motions that `choose` returns once the journal has been read; nullopt
+/// if it returns none. Yields its turn to requests about strokes and continues after them.
 std::expected<std::optional<std::vector<TileReplacement>>, std::string> Session::look_back(
     const std::function<std::optional<MotionSet>()>& choose, Workers& workers,
     const std::stop_token& stop) {

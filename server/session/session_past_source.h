@@ -9,8 +9,8 @@ namespace kerf {
 
 class Session;
 
-/// Returns the past of a session: its committed records, and its history. Belongs on a thread that
-/// serves nobody, and never waits for the session's thread.
+/// Returns the past of a session: its committed records and its history. Use it on a thread that
+/// serves nobody. Never waits for the session's thread.
 std::unique_ptr<PastSource> past_of(std::shared_ptr<Session> session);
 
 }  // namespace kerf

@@ -12,7 +12,7 @@
 
 namespace kerf {
 
-/// A session that another server of the cluster runs, as it has stated last.
+/// A session that another server of the cluster runs, as of that server's last statement.
 struct PlacedSession {
   std::string id, name, node;
   std::string address;  ///< of that server, "http://HOST:PORT"
@@ -22,39 +22,38 @@ struct PlacedSession {
   std::int64_t created_ms = 0, active_ms = 0;  ///< as in SessionFigures
 };
 
-/// How the servers of a cluster share sessions: each is run by one of them at a time.
-/// Thread-safe.
+/// Assigns the sessions of a cluster to its servers: one runs each session at a time. Thread-safe.
 class SessionPlaces {
  public:
   virtual ~SessionPlaces() = default;
 
-  /// Takes a session that this server creates, or, with `is_known`, opens again. The error, one
-  /// sentence, says who has it, or that nobody can be asked. Waits for an answer.
+  /// Claims a session that this server creates or, with `is_known`, reopens. The error, one
+  /// sentence, names its owner or says that the cluster cannot be reached. Blocks until the answer.
   virtual std::expected<void, std::string> claim(const std::string& id, bool is_known) = 0;
-  /// Whether a session of this id runs somewhere, as far as this server knows.
+  /// Whether a session with this id is known to run somewhere.
   virtual bool is_taken(const std::string& id) const = 0;
-  /// Until when this server may change the session, which it has claimed.
+  /// The time limit for changes by this server to a session that it has claimed.
   virtual std::shared_ptr<const WriteFence> fence(const std::string& id) const = 0;
-  /// The epoch in which this server may run it: greater than that of any server before.
+  /// The epoch in which this server may run a session: greater than that of any earlier owner.
   virtual std::uint32_t epoch(const std::string& id) const = 0;
-  /// The session has been closed, or could not be started: nobody runs it.
+  /// The session has been closed or could not be started: nobody runs it.
   virtual void close(const std::string& id) = 0;
 
   /// The name of this server.
   virtual const std::string& node() const = 0;
   /// The sessions of the other servers.
   virtual std::vector<PlacedSession> elsewhere() const = 0;
-  /// The address of the other server that runs the session now; nullopt: none is known to.
+  /// The address of the other server that runs the session now; nullopt if none is known to.
   virtual std::optional<std::string> address_of(const std::string& id) const = 0;
-  /// Whether a server is expected to continue the session soon: nobody runs it now.
+  /// Whether nobody runs the session now, but a server is expected to continue it soon.
   virtual bool is_moving(const std::string& id) const = 0;
-  /// The addresses of the other servers, which may continue the sessions of this one.
+  /// The addresses of the other servers, which may continue this server's sessions.
   virtual std::vector<std::string> other_servers() const = 0;
-  /// The address of the server that has fewer sessions than any other and than this one, and which
-  /// is now thought to get one more; nullopt: a new session belongs here.
+  /// Returns the address of the server with the fewest sessions if it has fewer than this one, and
+  /// counts the new session for it. Nullopt: create the session here.
   virtual std::optional<std::string> place_for_new() = 0;
-  /// Asks this server to follow a session of another one, for viewers. Whether it does, or will
-  /// soon: the registry has it then (find_followed()).
+  /// Asks this server to follow another server's session for viewers. Returns whether it does or
+  /// soon will; find_followed() then returns the session.
   virtual bool wants_to_follow(const std::string& id) = 0;
 };
 

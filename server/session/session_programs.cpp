@@ -10,14 +10,14 @@
 namespace kerf {
 namespace {
 
-/// Bounds of the pause after a slice while an agent moves; within them it lasts as long as the
-/// slice. One frame of an agent takes several turns of the executor; without the pause each turn
+/// Bounds of the pause after a slice while an agent moves. Within them it lasts as long as the
+/// slice. One frame of an agent takes several turns of the executor. Without the pause each turn
 /// would wait for a slice, and an agent at 1 kHz would fall behind.
 constexpr std::chrono::microseconds kPauseMin{200}, kPauseMax{5000};
 
 }  // namespace
 
-/// The program that one which is to follow `after` has to wait for; 0: none.
+/// Returns the program that a program queued `after` must wait for; 0 if none.
 std::expected<ProgramId, Rejection> Session::predecessor(ProgramId after) const {
   if (after == 0) return ProgramId{0};
   if (after == kAfterNewest) return programs_.newest_open();
@@ -67,7 +67,7 @@ std::expected<ProgramStatus, Rejection> Session::start_program(ProgramJob job,
   return status;
 }
 
-/// Begins the slices, unless they have begun. They end by themselves when no program is running.
+/// Schedules slices unless they are already scheduled. They stop when no program is running.
 void Session::schedule_programs() {
   if (std::exchange(programs_scheduled_, true)) return;
   executor_->post([self = shared_from_this()] { self->run_programs(); });
@@ -123,7 +123,7 @@ void Session::run_programs() {
 
 void Session::list_stopped(const std::vector<Attachment>& attachments) {
   const auto lines = read_program_lines(journal_.file());
-  if (!lines) return;  // they are shown by the next start
+  if (!lines) return;  // the next start lists them
   for (StoppedProgram& program : stopped_programs(attachments, *lines)) {
     attach(ended_program(program.status.participant));
     programs_.add_ended(std::move(program.status), std::move(program.text));

@@ -28,7 +28,7 @@ std::expected<void, JournalError> write_first_records(const std::filesystem::pat
   return journal->flush();
 }
 
-/// Checks that the block is small enough to send all of its surface to viewers.
+/// Checks that the block is small enough for viewers, which receive all of its surface.
 std::expected<void, RegistryError> check_tiles(const DexelGrid& grid, std::int64_t tiles_max) {
   const std::int64_t tiles = std::int64_t{grid.tiles_x()} * grid.tiles_y();
   if (tiles <= tiles_max) return {};
@@ -39,8 +39,8 @@ std::expected<void, RegistryError> check_tiles(const DexelGrid& grid, std::int64
       "accuracy.pitch_mm"});
 }
 
-/// Each list of sessions, each welcome and each preview of a link has the name. Journals may have
-/// longer ones from before, so it is not for the reader of scenes to say.
+/// Limits the name, because it is in each list of sessions, each welcome and each link preview.
+/// Older journals may have longer names, so the scene reader does not check this.
 std::expected<void, RegistryError> check_name(const std::string& name) {
   constexpr std::size_t kBytesMax = 200;
   if (name.size() <= kBytesMax) return {};
@@ -85,7 +85,7 @@ std::filesystem::path SessionRegistry::journal_path(const std::string& id) const
   return options_.data_folder / (id + kJournalExtension);
 }
 
-/// The id of a new session, or why there can be none. Call with the lock.
+/// Returns the id for a new session, or why there can be none. Call with the lock held.
 std::expected<std::string, RegistryError> SessionRegistry::free_id(std::string id,
                                                                    const std::string& name) const {
   using enum RegistryErrorCode;
@@ -137,7 +137,8 @@ std::expected<std::string, RegistryError> SessionRegistry::reserve(std::string i
 std::expected<Scene, RegistryError> SessionRegistry::check_scene(std::string_view scene_text,
                                                                  const SceneSource& source) const {
   using enum RegistryErrorCode;
-  // The journal stores the contents of the scene's files: these may change before a restart.
+  // Store the contents of the scene's files in the journal, because the files may change before a
+  // restart.
   SceneSource source_with_files = source;
   source_with_files.keep_files = true;
   source_with_files.load_mesh = load_mesh;

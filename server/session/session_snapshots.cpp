@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of Session that writes snapshots of its block beside its journal.
+// The part of Session that writes snapshots of its block next to its journal.
 #include <utility>
 
 #include "server/session/session.h"
@@ -8,7 +8,7 @@
 namespace kerf {
 namespace {
 
-/// A session that ends writes a snapshot if a restart would take this part of the limit.
+/// A session that ends writes a snapshot if a restart would take this fraction of the limit.
 constexpr int kLastSnapshotShare = 10;
 
 }  // namespace
@@ -26,22 +26,22 @@ void Session::write_snapshot_if_due() {
   if (snapshots_.writer == nullptr || closed_ || is_between_records()) return;
   if (!schedule_.is_due(sequence(), carving_.work_time(), now) || disk_is_low_) return;
   schedule_.begin(sequence(), carving_.work_time(), now);
-  // Tiles are shared until they are cut next: then each is copied, which takes some microseconds.
+  // The tiles are shared, and copied one by one when they are cut next, some microseconds each.
   snapshots_.writer->post([self = shared_from_this(), at = sequence(), state = sculpture_.state()] {
     const auto end = [&](bool is_written) {
       self->executor_->post([self, is_written] { self->schedule_.end(is_written, Clock::now()); });
     };
     try {
       end(self->write_snapshot(at, state).has_value());
-    } catch (...) {  // the next one is due all the same
+    } catch (...) {  // the next snapshot becomes due as usual
       end(false);
       throw;
     }
   });
 }
 
-/// Writes the state after record `at`, once that record is on the disk. The first failure after a
-/// success is reported.
+/// Writes the state after record `at` once that record is committed. Reports the first failure
+/// after a success.
 std::expected<void, std::string> Session::write_snapshot(std::uint64_t at,
                                                          const SculptureState& state) {
   const std::lock_guard lock(snapshot_mutex_);
@@ -89,7 +89,7 @@ void Session::keep_last_state() {
 }
 
 std::expected<void, JournalError> Session::finish_journal(bool with_snapshot) {
-  // A failure has been reported, and costs only time at the next start.
+  // A failure has been reported and only costs time at the next start.
   if (with_snapshot && last_state_) (void)write_snapshot(sequence(), *last_state_);
   const std::lock_guard lock(snapshot_mutex_);
   snapshots_ended_ = true;

@@ -17,14 +17,14 @@
 namespace kerf {
 namespace {
 
-/// Time of the session's thread that one turn of replacing tiles takes, and the pause before it is
-/// tried again to carve tiles when the journal could not be read.
+/// Time on the session's thread of one turn of replacing tiles, and the pause before tiles are
+/// carved again after the journal could not be read.
 constexpr std::chrono::microseconds kTurn{1000};
 constexpr std::chrono::seconds kRetry{1};
-/// Motions that are cut again in a turn, at most as far as carving once more avoids it.
+/// Motions cut again in one turn, and the number of rounds that try to reduce them to this.
 constexpr std::size_t kSinceMax = 100;
 constexpr int kRoundsMax = 4;
-/// Records after which the journal is read on, so that no undo need read more.
+/// Number of records after which the journal is read ahead: a bound for the reading of an undo.
 constexpr std::uint64_t kReadAhead = 20'000;
 
 Rejection no_stroke(const std::string& reason) { return {wire::ErrorCode::kBadMessage, reason}; }
@@ -35,7 +35,7 @@ StrokeSet strokes_of(const std::map<StrokeId, std::uint64_t>& changes) {
   return strokes;
 }
 
-/// Motions are collected no more after its end, whatever ends it.
+/// Ends the collection of motions on every exit.
 class Collecting {
  public:
   Collecting(Executor& executor, Carving& carving) : executor_(executor), carving_(carving) {}
@@ -55,7 +55,7 @@ class Collecting {
 
 }  // namespace
 
-/// Reads what has been committed; all that was journaled before the call. Call with the lock.
+/// Reads the committed records, including all journaled before the call. Call with the lock held.
 std::expected<void, std::string> Session::read_history(const std::stop_token& stop) {
   if (auto flushed = journal_.flush(); !flushed) return std::unexpected(describe(flushed.error()));
   if (!history_) {
@@ -65,7 +65,7 @@ std::expected<void, std::string> Session::read_history(const std::stop_token& st
   return history_->catch_up(stop);
 }
 
-/// Reads the journal on the thread that writes snapshots, if it has grown enough.
+/// Reads the journal on the background thread if it has grown enough.
 void Session::read_history_ahead() {
   if (snapshots_.writer == nullptr || closed_ || reads_ahead_) return;
   if (sequence() < history_read_ + kReadAhead) return;
@@ -73,12 +73,13 @@ void Session::read_history_ahead() {
   history_read_ = sequence();
   snapshots_.writer->post([self = shared_from_this()] {
     const auto lock = self->history_turns_.try_now();
-    if (lock) (void)self->read_history({});  // An undo reports the error.
+    if (lock) (void)self->read_history({});  // An undo reports the error later.
     self->executor_->post([self] { self->reads_ahead_ = false; });
   });
 }
 
-/// The strokes of a request made after record `at`, which exist and are not so already.
+/// Returns the strokes of a request made after record `at`. They must exist and not be in that
+/// state.
 std::expected<StrokeSet, Rejection> Session::chosen_strokes(const StrokeRequest& request,
                                                             std::uint64_t at) const {
   const StrokeTable& table = history_->strokes();
@@ -105,7 +106,7 @@ std::expected<StrokeSet, Rejection> Session::chosen_strokes(const StrokeRequest&
   return strokes;
 }
 
-/// Whether the author may change a stroke of a participant: its own ones, or any as an owner.
+/// Whether the author may change a stroke of a participant: its own, or any as an owner.
 bool Session::may_change(const StrokeRequest& request, ParticipantId participant) {
   const ParticipantState* author = participants_.find(request.author);
   const Role role = author != nullptr ? author->participant.role : request.caller.role;
@@ -115,7 +116,7 @@ bool Session::may_change(const StrokeRequest& request, ParticipantId participant
   return request.caller.is_personal && request.caller.grant == person(participant);
 }
 
-/// Journals the changes, from which on the block is wrong until settle() has replaced its tiles.
+/// Journals the changes. From then on the block is wrong until settle() has replaced its tiles.
 std::optional<Rejection> Session::note_changes(const StrokeRequest& request,
                                                std::span<const Stroke> all) {
   using enum wire::ErrorCode;
@@ -140,7 +141,7 @@ std::optional<Rejection> Session::note_changes(const StrokeRequest& request,
   }
   participants_.end_strokes();
   if (auto ok = journal_.append(request.author, changes); !ok) return ok.error();
-  // Nothing fails from here on: the journal says so.
+  // Nothing may fail after the journaling.
   unsettled_ = std::move(unsettled);
   journal_.note_removal();
   return std::nullopt;
@@ -180,7 +181,7 @@ std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeReq
                                    "the server has not enough memory for this now; try later"});
 }
 
-/// As settle(). Without memory the changes stay pending.
+/// Like settle(). If memory runs out, the changes stay pending.
 std::expected<void, std::string> Session::try_to_settle(Workers& workers,
                                                         const std::stop_token& stop,
                                                         StrokesChanged& changed) {
@@ -201,8 +202,8 @@ void Session::change_strokes_later(StrokeRequest request, StrokesDone done) {
       });
 }
 
-/// Waits until the motions that have been journaled by now are not cut in part: the pieces of one
-/// whose stroke is undone must not be cut from the new tiles.
+/// Waits until no motion journaled so far is partly cut: pieces of an undone motion must not be cut
+/// from the new tiles.
 std::expected<void, std::string> Session::wait_for_pieces(const std::stop_token& stop) {
   constexpr std::chrono::milliseconds kPause{1};
   const std::uint64_t until = run_and_wait(*executor_, [this] { return sequence(); });
@@ -213,8 +214,8 @@ std::expected<void, std::string> Session::wait_for_pieces(const std::stop_token&
   return {};
 }
 
-/// Carves the tiles of the strokes that have changed and replaces them in the block, some at a
-/// time, so that a change of a whole block needs little memory. Call with the lock.
+/// Carves the tiles of changed strokes and replaces them in the block, some at a time to bound the
+/// memory. Call with the lock held.
 std::expected<void, std::string> Session::settle(Workers& workers, const std::stop_token& stop,
                                                  StrokesChanged& changed) {
   StrokeSet strokes;
@@ -231,7 +232,7 @@ std::expected<void, std::string> Session::settle(Workers& workers, const std::st
     if (auto ok = settle_tiles(some, workers, stop, changed); !ok) return ok;
   }
   run_and_wait(*executor_, [&] {
-    // One that has changed again since is not in the block.
+    // A stroke that has changed again since is not settled.
     std::erase_if(unsettled_, [&](const auto& stroke) { return stroke.second <= at; });
     participants_.hold_tools_in_stock();
     journal_.note_removal();
@@ -242,7 +243,7 @@ std::expected<void, std::string> Session::settle(Workers& workers, const std::st
   return {};
 }
 
-/// Carves these tiles and replaces them. The motions that come in meanwhile are cut again.
+/// Carves these tiles and replaces them. Motions that arrive meanwhile are cut again.
 std::expected<void, std::string> Session::settle_tiles(std::span<const FieldTile> some,
                                                        Workers& workers,
                                                        const std::stop_token& stop,
@@ -264,7 +265,7 @@ std::expected<void, std::string> Session::settle_tiles(std::span<const FieldTile
     return history_->change(begun.solid, some, begun.strokes, set, workers, stop);
   };
   auto tiles = carve();
-  // Each round takes less time than the one before, so fewer motions come in meanwhile.
+  // Each round takes less time than the last, so fewer motions arrive during it.
   const auto collected = [this] { return carving_.collected(); };
   for (int n = 1; n < kRoundsMax && tiles && run_and_wait(*executor_, collected) > kSinceMax; ++n) {
     tiles = carve();
@@ -276,7 +277,7 @@ std::expected<void, std::string> Session::settle_tiles(std::span<const FieldTile
       const auto end = Clock::now() + kTurn;
       for (; next < tiles->size() && !closed_ && Clock::now() < end; ++next) {
         changed.returned_mm3 += carving_.replace((*tiles)[next]);
-        (*tiles)[next].tile.reset();  // The block holds it now.
+        (*tiles)[next].tile.reset();  // now shared with the block
       }
       if (closed_) next = tiles->size();
       return next;
@@ -285,7 +286,7 @@ std::expected<void, std::string> Session::settle_tiles(std::span<const FieldTile
   return {};
 }
 
-/// Tries again to carve the tiles of changed strokes, until it succeeds or the session is closed.
+/// Retries carving the tiles of changed strokes until it succeeds or the session is closed.
 void Session::retry_settling() {
   executor_->post_after(kRetry, [weak = weak_from_this()] {
     const auto self = weak.lock();
@@ -293,7 +294,7 @@ void Session::retry_settling() {
   });
 }
 
-/// Carves them where nobody waits.
+/// Re-carves changed strokes on the background thread.
 void Session::settle_later() {
   background().post([self = shared_from_this()] {
     const auto lock = self->history_turns_.ask(kHistoryPatience);

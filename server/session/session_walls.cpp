@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-// A motion's line is the number of its record.
+// Reads the motions of a journal. The line of each is the number of its record.
 std::expected<Program, std::string> read_motions(JournalReader& reader, const StrokeSet& undone,
                                                  const std::stop_token& stop) {
   Program program;

@@ -10,19 +10,19 @@
 
 namespace kerf {
 
-/// The kind of the attachments that are programs which have not ended, named by their participants.
+/// Kind of the attachments that hold programs still running or queued, named by their participants.
 inline constexpr const char* kProgramKind = "program";
 
-/// A program that has begun, or waits.
+/// The attachment of a program that has been started or queued.
 AttachmentChange stored(const ProgramStatus& status, const std::string& text);
 AttachmentChange ended_program(ParticipantId participant);
 
-/// A program that had not ended when the server that carved it did.
+/// A program that was running or queued when its server ended.
 struct StoppedProgram {
-  ProgramStatus status;  ///< cancelled; why, and the line with which it may be continued
+  ProgramStatus status;  ///< kCancelled, with the reason and the line from which to continue
   std::shared_ptr<const ProgramText> text;
 };
-/// Those of a journal. Bytes that are none of a program are left out.
+/// The stopped programs of a journal. Malformed attachments are left out.
 std::vector<StoppedProgram> stopped_programs(const std::vector<Attachment>& attachments,
                                              const std::map<ParticipantId, std::uint32_t>& lines);
 

@@ -12,35 +12,36 @@
 
 namespace kerf {
 
-/// Strokes to undo or to redo, and who asks.
+/// Strokes to undo or redo, and the author of the request.
 struct StrokeRequest {
   bool undone = true;  ///< false: redo
-  /// All of them, or none if one does not exist or is so already. Empty: the newest stroke of
-  /// `participant` that is not undone; or the one of its strokes that was undone last.
+  /// All of these change, or none if one does not exist or is already in that state. If empty: the
+  /// newest stroke of `participant` that is not undone, or for a redo, its stroke that was undone
+  /// last.
   std::vector<StrokeId> strokes = {};
   ParticipantId participant = 0;
-  /// The last record when `participant` asked: strokes that begin later and later changes do not
-  /// count. Nullopt: the one when change_strokes() is called.
+  /// The last record when `participant` made the request: later strokes and changes do not count.
+  /// Nullopt: the last record when change_strokes() is called.
   std::optional<std::uint64_t> at = std::nullopt;
-  ParticipantId author = 0;  ///< the participant that asks; 0: a caller who is none
-  Caller caller = {};        ///< of an author 0
+  ParticipantId author = 0;  ///< the participant that makes the request; 0 if the caller is none
+  Caller caller = {};        ///< used if `author` is 0
 };
 
-/// Strokes that one request may name.
+/// Maximum number of strokes in one request.
 inline constexpr std::size_t kStrokesMax = 500;
 
 /// The answer to a StrokeRequest.
 struct StrokesChanged {
   std::vector<StrokeId> strokes;
-  std::uint64_t sequence = 0;  ///< the record after which the block is the new one
-  std::size_t tiles = 0;       ///< that were carved again
-  double returned_mm3 = 0;     ///< volume that came back; negative: that was removed
-  /// Why the block has not changed yet, although the journal says so: it will, as soon as that is
-  /// over. Nullopt: it has.
+  std::uint64_t sequence = 0;  ///< the record after which the block has changed
+  std::size_t tiles = 0;       ///< number of tiles carved again
+  double returned_mm3 = 0;     ///< volume that came back; negative if material was removed
+  /// Why the journaled change is not in the block yet. It will be as soon as this obstacle is gone.
+  /// Nullopt: it is.
   std::optional<std::string> pending = std::nullopt;
 };
 
-/// A stroke, as a list of them shows it.
+/// A list entry for a stroke.
 struct ListedStroke {
   Stroke stroke;
   bool is_undone = false;
