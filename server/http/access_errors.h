@@ -5,7 +5,7 @@
 
 namespace kerf::net {
 
-/// Returns the response to a request that the rights reject.
+/// Returns the response to a request that the access rules reject.
 ApiResponse access_failure(const AccessError& error);
 
 }  // namespace kerf::net

@@ -15,10 +15,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Of the data folder; nobody else has a reason to write there.
+/// Subfolder of the data folder, for the server's own use only.
 constexpr const char* kCacheFolder = ".kerf-cache";
 
-/// 401, with the reason.
+/// Returns a 401 with its reason.
 ApiResponse needs_token(const Caller& caller) {
   auto response = error_response(
       401, caller.has_bad_token ? "bad_token" : "no_token",
@@ -101,7 +101,7 @@ bool is_coming(const SessionRegistry& registry, const std::string& id, bool only
 std::shared_ptr<Session> find_to_look(const SessionRegistry& registry, const std::string& id) {
   auto session = registry.find(id);
   if (session || registry.places() == nullptr) return session;
-  // It is wanted: it stays.
+  // This request counts as interest, so that the session keeps being followed.
   return registry.places()->wants_to_follow(id) ? registry.find_followed(id) : nullptr;
 }
 
@@ -117,7 +117,7 @@ ApiResponse at_other_server(const std::string& reason, std::string location) {
 
 ApiResponse no_session(const SessionRegistry& registry, const std::string& id,
                        const std::string& target) {
-  if (is_coming(registry, id) || registry.find(id)) {  // the latter: it has just come
+  if (is_coming(registry, id) || registry.find(id)) {  // found now: it has just been opened
     ApiResponse response = error_response(503, "session_loading",
                                           "session " + id + " is being loaded; try again later");
     response.headers.emplace_back("Retry-After", "1");
@@ -193,7 +193,7 @@ HashedSolid current_solid(Session& session) {
   });
   if (read.hash) return {std::move(read.solid), *read.hash};
   const StateHash hash{read.sequence, read.solid.hash()};
-  // A solid that holds a part of a motion has a hash too, but no replay gives it.
+  // The hash of a partly carved solid has no record: no replay gives it.
   if (read.is_between_records) return {std::move(read.solid), hash, true};
   session.executor().post([self = session.shared_from_this(), hash] { self->note_hash(hash); });
   return {std::move(read.solid), hash};
@@ -235,7 +235,7 @@ ApiResponse Api::handle(const ApiRequest& request) {
     if (!call.caller.belongs_elsewhere) {
       call.session = only_looks(match) ? find_to_look(registry_, id) : registry_.find(id);
     }
-    // Who has no right here learns nothing of the sessions.
+    // Callers without rights learn nothing about sessions.
     const bool is_stranger = call.caller.role == Role::kNobody && !call.caller.belongs_elsewhere;
     if (!call.session)
       return is_stranger ? needs_token(call.caller) : no_session(registry_, id, request.target);
@@ -257,13 +257,14 @@ ApiResponse Api::handle(const ApiRequest& request) {
   ApiResponse response =
       route.answer != nullptr ? route.answer(call) : (this->*route.handler)(call);
   if (auto gone = gone_meanwhile(call, route, response)) return *std::move(gone);
-  // Whatever the handler says of it: no fault of the request, nor of the server.
+  // A stopped request is neither the client's nor the server's fault, whatever the handler reports.
   const bool is_cut_short = response.status >= 400 && request.stop.stop_requested();
   return is_cut_short ? stopped() : std::move(response);
 }
 
-/// A session that has been closed while it was asked has no journal any more, or that of another
-/// one which has taken its id: what was read from it, and errors in it, say nothing of the session.
+/// Replaces the response if the session was closed while the request was handled. Its journal is
+/// then gone, or another session has taken the id, so results and errors read from it are
+/// meaningless.
 std::optional<ApiResponse> Api::gone_meanwhile(const ApiCall& call, const Route& route,
                                                const ApiResponse& response) const {
   if (!call.session || route.handler == &Api::close_session || registry_.is_stopping()) {
@@ -275,7 +276,7 @@ std::optional<ApiResponse> Api::gone_meanwhile(const ApiCall& call, const Route&
   }
   const bool reads_only = call.request.method == "GET" || call.request.method == "HEAD";
   const bool is_elsewhere = is_coming(registry_, id) || other_place(registry_, id).has_value();
-  // What may have been done must not be sent to the next server by itself.
+  // A request that may have taken effect must not be repeated automatically at the next server.
   if (!reads_only && (response.status < 500 || is_elsewhere)) return std::nullopt;
   if (is_elsewhere) return no_session(registry_, id, call.request.target);
   return error_response(404, "unknown_session",
@@ -292,7 +293,7 @@ std::optional<ApiResponse> Api::refuse(const ApiRequest& request, const RouteMat
   }
   caller = access_.identify(request.token, is_below ? request.path[2] : "");
   caller.network = request.network;
-  // Unknown paths below a session tell whether it exists.
+  // The response to an unknown path below a session reveals whether the session exists.
   const Action unknown = is_below ? Action::kWatch : Action::kReach;
   const Action action = match.route != nullptr ? match.route->action : unknown;
   if (may(caller.role, action)) {
@@ -308,13 +309,13 @@ std::optional<ApiResponse> Api::refuse(const ApiRequest& request, const RouteMat
                             std::string(to_string(lowest_invited(action))));
 }
 
-/// Whether a session runs at another server, or is about to come.
+/// Whether a session runs at another server or is about to be opened.
 bool Api::is_not_here(const std::string& id) const {
   return !registry_.find(id) && (is_coming(registry_, id) || other_place(registry_, id));
 }
 
 void Api::tell_regions(Session& session) const {
-  // Read in the order of the changes: of two at a time, the last one must be the one that stays.
+  // Read the regions on the executor: after two concurrent changes, the later one must win.
   session.executor().post([self = session.shared_from_this(), &access = access_] {
     self->reserve(access.regions(self->id()));
   });
@@ -347,18 +348,18 @@ ApiResponse Api::ready(const ApiCall& call) {
   Json paused = Json::array(), damaged = Json::array();
   bool is_paused = false;
   for (const auto& session : registry_.list()) {
-    // Another server would read the same file, and this one carves on.
+    // Stay ready: another server would read the same file, and this one can still carve.
     if (session->health().damage()) damaged.push_back(session->id());
     const auto error = session->pause();
     if (!error) continue;
     paused.push_back(session->id());
-    // One that has reached a limit of its own is no fault of the server.
+    // A session that has reached its own limit does not make the server unready.
     is_paused = is_paused || error->code != JournalErrorCode::kSessionLimit;
   }
   Json unreadable = Json::array();
   for (const UnreadableSession& session : registry_.unreadable()) {
     unreadable.push_back(session.id);
-    // It is tried again, as the commit of a paused one: a disk that is full at the start.
+    // A load that failed because of the disk is retried, e.g. when the disk was full at the start.
     is_paused = is_paused || session.error.code == JournalErrorCode::kIo;
   }
   const bool loaded = registry_.loaded();
@@ -368,7 +369,7 @@ ApiResponse Api::ready(const ApiCall& call) {
                {"paused", paused},
                {"damaged", damaged},
                {"unreadable", unreadable}};
-  // An invitation is for one session, and gives no right to list the others.
+  // An invitation is for one session and gives no right to list others.
   if (!may(call.caller.role, Action::kList) || !call.caller.grant.empty()) {
     for (const char* list : {"loading", "paused", "damaged", "unreadable"}) {
       json[list] = json[list].size();
@@ -388,15 +389,14 @@ std::optional<PagePreview> Api::preview_of(const ApiRequest& request) const {
   const std::string* id = request.query_value("session");
   if (!request.path.empty() || id == nullptr || request.host.empty()) return std::nullopt;
   const auto session = registry_.find(*id);
-  // A preview is made for strangers, whatever the browser at hand may do.
+  // Judge as a stranger: previews are made for strangers, whatever rights this browser has.
   if (!session || !may(access_.identify("", *id).role, Action::kWatch)) return std::nullopt;
   return PagePreview{session->scene().name + " · Kerf",
                      (request.is_secure ? "https://" : "http://") + request.host + "/v1/sessions/" +
                          *id + "/picture.png?width=960"};
 }
 
-/// The page of a session that another server runs is got from there: the page stays with its
-/// server.
+/// Redirects the page of a session that another server runs to that server.
 std::optional<ApiResponse> Api::page_elsewhere(const ApiRequest& request) const {
   const std::string* id = request.query_value("session");
   if (!request.path.empty() || id == nullptr || registry_.find(*id)) return std::nullopt;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the server keeps for a session beside its records, as attachments of its journal: with them
-// it moves to another server.
+// Rights and target parts as attachments of a session's journal, with which they move to another
+// server.
 #include <algorithm>
 #include <set>
 
@@ -12,7 +12,7 @@ namespace kerf::net {
 namespace {
 
 constexpr const char* kTargetKind = "target";
-/// A journal with an attachment of this kind has all others too.
+/// Marks a journal whose attachments are complete.
 constexpr const char* kCompleteKind = "complete";
 
 bool is_complete(const std::vector<Attachment>& attachments) {
@@ -22,7 +22,7 @@ bool is_complete(const std::vector<Attachment>& attachments) {
 }  // namespace
 
 void Api::forget(const std::string& id) {
-  // Grants that stay in the file are replaced when the session comes again.
+  // Grants left in the file are replaced when the session comes again.
   (void)access_.forget(id);
   targets_.forget(id);
 }
@@ -42,11 +42,11 @@ void Api::attach_target(Session& session, const std::string& name) {
 
 std::expected<void, std::string> Api::adopt(Session& session, Opening opening) {
   const std::string& id = session.id();
-  // One of the same id may have been here, and have ended elsewhere.
+  // An earlier session with this id may have ended at another server.
   if (opening == Opening::kNew) forget(id);
   auto attachments = read_attachments(session.journal_file());
   if (!attachments) return std::unexpected(describe(attachments.error()));
-  // A journal from before attachments, or of a session that was closed: what is here counts.
+  // The journal predates attachments or was closed: attach the data that this server has.
   if (!is_complete(*attachments)) {
     attach_all(session);
     return {};
@@ -67,7 +67,7 @@ std::expected<void, std::string> Api::adopt(Session& session, Opening opening) {
     }
   }
   if (auto done = adopt_targets(id, *attachments); !done) return done;
-  // Any request that finds the session comes after it.
+  // Requests that find the session are posted after this.
   session.executor().post([weak = session.weak_from_this(), list = *std::move(attachments)] {
     if (const auto self = weak.lock()) self->list_stopped(list);
   });

@@ -24,7 +24,7 @@ MadeFile reason_only(const Result& result) {
   return {};
 }
 
-/// Carves from the nearest state of the block that its history holds.
+/// Carves from the nearest earlier state of the block that its history can give.
 ExportResult write_plot(const ForcePlotRequest& plot, Session& session, std::ostream& out,
                         const std::stop_token& stop) {
   SerialWorkers alone;
@@ -33,7 +33,7 @@ ExportResult write_plot(const ForcePlotRequest& plot, Session& session, std::ost
   return export_force_plot(session.journal_file(), plot, out, stop, &*start);
 }
 
-/// What a model has lost, as the header Kerf-Model states it.
+/// Returns the header Kerf-Model: how the model differs from the exact surface.
 std::string note_of(const FittingModel& model, const SolidSnapshot& solid) {
   nlohmann::ordered_json note{{"triangles", model.summary.triangles}};
   if (model.exact_triangles) {
@@ -48,7 +48,7 @@ std::string note_of(const FittingModel& model, const SolidSnapshot& solid) {
   return note.dump();
 }
 
-/// The journal without its attachments: rights and target parts are not for everybody.
+/// Copies the journal without its attachments: not everybody may see rights and target parts.
 MadeFile write_journal(const std::filesystem::path& journal, const std::filesystem::path& path) {
   if (auto copied = copy_journal(journal, path); !copied) return reason_only(copied);
   return reason_only(remove_attachments(path));
@@ -74,11 +74,11 @@ MadeFile write_motions(const DownloadRequest& download, Session& session,
   return {};
 }
 
-/// Makes the response carry the whole file or the requested part of it.
+/// Puts the whole file or the requested range into the response.
 void put_file(const ApiRequest& request, const std::string& etag, ApiResponse& response) {
   const std::uint64_t bytes = response.file->bytes();
   response.headers.emplace_back("Accept-Ranges", "bytes");
-  // The client holds parts of an older state: it gets the whole file.
+  // The client has parts of an older state: send the whole file.
   if (!request.if_range.empty() && request.if_range != etag) return;
   const auto range = parse_range(request.range, bytes);
   if (!range) {
@@ -107,7 +107,7 @@ MadeFile write_surface(const DownloadRequest& download, const SolidSnapshot& sna
                              .progress = progress,
                              .stop = stop};
   if (!download.simplify.triangles && !download.simplify.error_mm) {
-    // Without limits the exact surface keeps them.
+    // Without limits the exact surface preserves them.
     const auto written = write_fitting_model(
         path, snapshot, request,
         download.is_exact ? ModelLimits{.bytes = UINT64_MAX, .triangles = UINT64_MAX}

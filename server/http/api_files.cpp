@@ -13,7 +13,8 @@
 namespace kerf::net {
 namespace {
 
-/// The extension of a file's name in lower case. It is that of a mesh, so no name becomes a path.
+/// Returns the extension of a file's name in lower case. Only those of meshes are accepted, so no
+/// name becomes a path.
 std::string extension_of(std::string_view name) {
   std::string extension = std::filesystem::path(name).extension().string();
   std::ranges::transform(extension, extension.begin(),
@@ -21,12 +22,12 @@ std::string extension_of(std::string_view name) {
   return extension;
 }
 
-/// Bytes of memory that reading, repairing and judging a mesh take for each byte of its file. An
-/// STL takes most: 910 bytes for a facet of 50, whose corners are merged, sorted and kept.
+/// Bytes of memory for reading, repairing and judging a mesh, per byte of its file. STL is the
+/// worst case: 910 bytes for a facet of 50, whose corners are merged, sorted and kept.
 constexpr std::size_t kReadingFactor = 20;
 
-/// The most triangles that a file of so many bytes may have. Instances and compression let a few
-/// bytes stand for many triangles, which nothing reserves memory for.
+/// Maximum number of triangles in a file of `bytes` bytes. Instances and compression expand a few
+/// bytes to many triangles, for which no memory is reserved.
 std::uint64_t triangles_max(std::size_t bytes) {
   return std::clamp<std::uint64_t>(4 * std::uint64_t{bytes}, 1'000'000, 4'000'000);
 }

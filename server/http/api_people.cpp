@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The routes by which owners decide about participants and reserve regions.
+// The routes with which owners moderate participants and reserve regions.
 #include <nlohmann/json.hpp>
 
 #include "server/http/access_errors.h"
@@ -26,7 +26,7 @@ ApiResponse no_person() {
                         "role cannot be kept; invite the person by name");
 }
 
-/// Whom a request is about, as the session knows them now.
+/// The participant and person that a request is about, as known now.
 struct Target {
   Participant participant;
   std::string person;

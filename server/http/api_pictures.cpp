@@ -13,7 +13,7 @@
 namespace kerf::net {
 namespace {
 
-/// Every size is a rendering of its own, so there are few.
+/// Each size needs its own rendering, so there are few.
 constexpr int kWidths[] = {240, 480, 960};
 constexpr int kWidthDefault = 480;
 

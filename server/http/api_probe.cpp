@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The routes that tell what the surface is at a place, and who cut it.
+// The routes that describe the surface at a point and name its authors.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -19,14 +19,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Pitches within which the surface is looked for: on a slope of 70 degrees the nearest ray meets
-/// it 2.1 pitches away at most.
+/// Search radius for the surface, in pitches: on a slope of 70 degrees the nearest ray meets it at
+/// most 2.1 pitches away.
 constexpr double kWithinPitches = 2.5;
-/// Pitches outside of a wall at which its air is looked for.
+/// Distance outside of a wall, in pitches, where its air is probed.
 constexpr double kOutsidePitches = 0.6;
-/// Distances of two lines of a program from a motion that differ by less are equal, mm.
+/// Two distances of program lines from a motion are equal if they differ by less than this, mm.
 constexpr double kSameMm = 1e-6;
-// The bytes of points and of owners are those in memory.
+// Points and owners are sent as their bytes in memory.
 static_assert(std::endian::native == std::endian::little);
 static_assert(sizeof(ParticipantId) == 4);
 
@@ -36,12 +36,12 @@ const char* name_of(RayAxis axis) {
   return axis == RayAxis::kX ? "x" : axis == RayAxis::kY ? "y" : "z";
 }
 
-/// The quantum outside of an end.
+/// Returns the quantum just outside of an end.
 StockCell air_at(const ColumnEnd& end) {
   return {end.axis, end.i, end.j, end.is_top ? end.depth : end.depth - 1};
 }
 
-/// A place of the displayed surface; the normal is a unit vector out of it.
+/// A point of the displayed surface. The normal is a unit vector out of it.
 struct Place {
   Vec3 at_mm, normal;
 };
@@ -50,7 +50,7 @@ std::optional<ColumnEnd> end_at(const SolidSnapshot& solid, const Place& place) 
   return nearest_end(solid, place.at_mm, place.normal, kWithinPitches * solid.grid().pitch_mm);
 }
 
-/// The quantum of the first field that holds a place; nothing: it is outside of the block.
+/// Returns the quantum of the first field at a point; nullopt outside of the block.
 std::optional<StockCell> cell_at(const DexelGrid& grid, Vec3 place_mm) {
   const Vec3 at = to_frame(grid.axis, place_mm) - grid.origin_mm;
   const double i = std::floor(at.x / grid.pitch_mm), j = std::floor(at.y / grid.pitch_mm);
@@ -63,7 +63,7 @@ std::optional<StockCell> cell_at(const DexelGrid& grid, Vec3 place_mm) {
                    static_cast<std::int32_t>(depth)};
 }
 
-/// The quantum of air at a place, where a ray may end; nothing: it is outside of the block.
+/// Returns the quantum of air at a point, where a ray may end; nullopt outside of the block.
 std::optional<StockCell> air_of(const DexelGrid& grid, const Place& place,
                                 const std::optional<ColumnEnd>& end) {
   if (end) return air_at(*end);
@@ -77,7 +77,7 @@ double distance_of(Vec3 place, Vec3 a, Vec3 b) {
   return length(place - a - share * along);
 }
 
-/// The line of the first motion of a path that is nearest to a place; 0: it has none.
+/// Returns the line of the first motion of a path that is nearest to a point; 0 if there is none.
 std::uint32_t line_at(const ProgramPath& path, Vec3 place_mm) {
   std::uint32_t line = 0;
   double nearest = std::numeric_limits<double>::infinity();
@@ -92,7 +92,7 @@ std::uint32_t line_at(const ProgramPath& path, Vec3 place_mm) {
   return line;
 }
 
-/// The program that is a participant, and its line with a motion; null: there is none.
+/// Returns the program whose participant cut the surface, with the line; null if none.
 Json program_of(Session& session, const SurfaceMaker& maker) {
   const auto [id, name, text] = run_and_wait(session.executor(), [&] {
     using Found = std::tuple<ProgramId, std::string, std::shared_ptr<const ProgramText>>;
@@ -132,7 +132,7 @@ std::expected<Place, ApiResponse> requested_place(const ApiRequest& request) {
   return Place{*at, (1 / size) * *normal};
 }
 
-/// The points that a body spells: place and normal of each. The normal of length 0 stays so.
+/// Parses the points of a body: position and normal of each. A normal of length 0 is kept.
 std::expected<std::vector<Place>, std::string> places_of(const std::string& body) {
   using Point = std::array<float, 6>;
   if (body.empty() || body.size() % sizeof(Point) != 0) {
@@ -181,14 +181,14 @@ ApiResponse Api::probe(const ApiCall& call) {
   return json_response(200, json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-/// Ends are looked for beside all of history, so that who undoes does not wait for that.
+/// Looks for ends outside of a history turn, so that an undo need not wait.
 ApiResponse Api::owners(const ApiCall& call) {
   const auto places = places_of(call.request.body);
   if (!places) return error_response(400, "bad_points", places.error());
   const auto block = requested_block(call);
   if (!block) return block.error();
   std::vector<StockCell> cells;
-  std::vector<std::size_t> asked;  // places of the points that have a cell
+  std::vector<std::size_t> asked;  // indices of the points that have a cell
   for (std::size_t n = 0; n < places->size(); ++n) {
     if (n % 4096 == 0 && call.request.stop.stop_requested()) {
       return error_response(503, "busy", "stopped");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The routes that give back an uploaded program: its text, and its path to be drawn.
+// The routes that return an uploaded program: its text, and its path for drawing.
 #include <nlohmann/json.hpp>
 
 #include "server/http/api.h"
@@ -23,7 +23,7 @@ char letter_of(PathKind kind) {
   return 's';
 }
 
-/// The text of the program whose number the path holds, or why there is none.
+/// Returns the text of the program named by the path, or the error.
 std::expected<std::shared_ptr<const ProgramText>, ApiResponse> find_text(const ApiCall& call) {
   const std::string name = "program " + call.captured;
   const auto id = parse_number<ProgramId>(call.captured).value_or(0);

@@ -47,7 +47,7 @@ ApiResponse program_failure(const ProgramError& error) {
   return json_response(400, text({{"error", detail}}));
 }
 
-/// Nothing if the query has a name that a program may have.
+/// Returns a 400 for an invalid name of a program, else nullopt.
 std::optional<ApiResponse> name_failure(const std::string& name) {
   if (name.size() <= wire::kMaxNameBytes && name.find_first_of("/\\\n\r") == std::string::npos) {
     return std::nullopt;
@@ -56,7 +56,7 @@ std::optional<ApiResponse> name_failure(const std::string& name) {
                         "name must have at most 64 bytes, without slashes and line breaks");
 }
 
-/// Nothing if the caller may control the program: one's own, or any as an owner.
+/// Returns an error unless the caller may control the program: its own, or any as an owner.
 std::optional<ApiResponse> control_failure(const ApiCall& call, const ProgramStatus& status) {
   if (may_change(call.caller, status.author, Action::kRunPrograms)) return std::nullopt;
   return error_response(403, wire::to_string(wire::ErrorCode::kNotAllowed),
@@ -89,7 +89,7 @@ std::expected<ProgramOrder, ApiResponse> parse_order(const std::string& text) {
       400, "bad_order", "do must be \"pause\", \"resume\" or \"step\", which carves one block"));
 }
 
-/// The controller of a program of G-code: `dialect`.
+/// Parses `dialect`, the controller of a G-code program.
 std::expected<GcodeEnvironment, ApiResponse> parse_environment(const ApiRequest& request) {
   GcodeEnvironment environment;
   const std::string* given = request.query_value("dialect");
@@ -102,7 +102,7 @@ std::expected<GcodeEnvironment, ApiResponse> parse_environment(const ApiRequest&
   return environment;
 }
 
-/// The program that the new one is to follow: of `after`, or of `queue`.
+/// Parses `after` or `queue`: the program that must end first.
 std::expected<ProgramId, ApiResponse> parse_after(const ApiRequest& request) {
   const std::string* queue = request.query_value("queue");
   const std::string* after = request.query_value("after");
@@ -128,7 +128,7 @@ std::expected<double, ApiResponse> parse_tolerance(const std::string* text, doub
       error_response(400, "bad_value", "target_tolerance_mm must be a number above 0"));
 }
 
-/// The program whose number the path holds.
+/// Finds the program whose number is in the path.
 std::optional<ProgramStatus> find_program(const ApiCall& call) {
   const auto id = parse_number<ProgramId>(call.captured);
   if (!id) return std::nullopt;
@@ -180,7 +180,7 @@ ApiResponse Api::change_program(const ApiCall& call) {
   }
   const std::string* pace_text = request.query_value("pace");
   const std::string* speed_text = request.query_value("speed");
-  // A speed is one of feed rate.
+  // A speed implies feed rate.
   const auto pace = pace_text != nullptr || speed_text == nullptr
                         ? parse_pace(value_or(pace_text, "fast"))
                         : ProgramPace::kFeed;
@@ -191,7 +191,7 @@ ApiResponse Api::change_program(const ApiCall& call) {
   if (!order && !has_pace) {
     return error_response(400, "bad_value", "nothing to change: give do, pace or speed");
   }
-  // A mute ends what carves: the program may be paused, and cancelled, but not go on.
+  // A muted person's program may be paused and cancelled but not continued.
   if (call.caller.is_muted && order != ProgramOrder::kPause) {
     return rejection_response(muted_rejection(), 400);
   }
@@ -212,7 +212,7 @@ std::optional<MemoryBudget::Share> Api::program_memory(std::size_t bytes) {
   return programs_.take(bytes);
 }
 
-/// The part of `target`, on the rays of the session's block; null without that parameter.
+/// Returns the part `target` on the rays of the session's block; null without that parameter.
 std::expected<std::shared_ptr<const GougeReference>, ApiResponse> Api::parse_target_part(
     const ApiCall& call) {
   const ApiRequest& request = call.request;

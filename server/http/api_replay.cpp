@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The routes from which a client replays the journal of a session by itself, and compares it. Two
-// of them answer what never changes, so that caches can hold it.
+// The routes with which a client replays and compares the journal of a session. The responses of
+// two of them never change, so caches can keep them.
 #include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -17,7 +17,7 @@
 namespace kerf::net {
 namespace {
 
-/// State hashes in one response; of more, so many at equal distances.
+/// Maximum number of state hashes in one response. A longer list is sampled at equal distances.
 constexpr std::size_t kHashesMax = 1000;
 
 ApiResponse journal_failure(const JournalError& error) {
@@ -29,22 +29,22 @@ ApiResponse journal_failure(const JournalError& error) {
                         error.reason);
 }
 
-/// A page would begin with the stock, and carve another block.
+/// A page would begin with the stock and carve another block.
 ApiResponse salvaged_journal() {
   return error_response(409, "salvaged_journal",
                         "this journal was salvaged: it begins with a block that was cut already, "
                         "which only the server can replay");
 }
 
-/// The name of a journal: that of its first record, so that it stays the same for ever, and the
-/// session that takes the id after this one is deleted has another.
+/// Returns the name of a journal: the mark of its first record. It never changes, and a later
+/// session with the same id has another.
 std::expected<std::string, JournalError> name_of(JournalReader& journal) {
   const auto mark = journal.mark(1);
   if (!mark) return std::unexpected(mark.error());
   return hash_text(mark->value_or(0));
 }
 
-/// Opens the journal of a session; the response to a request that names another one.
+/// Opens the journal of a session. Fails if the request names another one.
 std::expected<JournalReader, ApiResponse> named_journal(const ApiCall& call) {
   auto journal =
       JournalReader::open(call.session->journal_file(), RecordOrder::kSequence, call.request.stop);
@@ -58,7 +58,7 @@ std::expected<JournalReader, ApiResponse> named_journal(const ApiCall& call) {
       error_response(404, "other_journal", "journal must be the name that `replay` states"));
 }
 
-/// A response that never changes. What everybody may read, caches between may keep too.
+/// Returns a response that never changes. Shared caches may keep it if everybody may read it.
 ApiResponse lasting(const ApiCall& call, std::span<const std::byte> bytes) {
   ApiResponse response;
   response.content_type = "application/octet-stream";

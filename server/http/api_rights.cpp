@@ -120,7 +120,7 @@ ApiResponse Api::redeem(const ApiCall& call) {
   const std::string& id = call.session->id();
   const ApiRequest& request = call.request;
   if (access_.regime() == Regime::kLocal) return joined(call.caller);
-  // A link that is opened again gives the pass that the browser has.
+  // If a link is opened again, return the pass that the browser has.
   const Caller holder = access_.identify(request.pass, id);
   for (const Grant& grant : access_.grants(id)) {
     const bool is_theirs = grant.is_pass() && grant.id == holder.grant;

@@ -36,10 +36,10 @@ ApiResponse created_response(const Session& session) {
   return response;
 }
 
-/// Null for a time that is not known.
+/// Null for an unknown time.
 Json time_json(std::int64_t ms) { return ms == 0 ? Json() : Json(ms); }
 
-/// Null if the journal is not copied to other machines.
+/// Null if the journal is not copied.
 Json copy_json(const CopyNote& note) {
   const auto copy = note.get();
   if (!copy) return {};
@@ -48,7 +48,7 @@ Json copy_json(const CopyNote& note) {
           {"snapshot", note.snapshot()}};
 }
 
-/// Null as long as no damage of the journal is known.
+/// Null if no damage of the journal is known.
 Json damage_json(const JournalHealth& health) {
   const auto damage = health.damage();
   if (!damage) return {};
@@ -136,7 +136,7 @@ unsigned http_status(RegistryErrorCode code) {
   return 500;
 }
 
-/// The target of a request with `here=1`, also if it has `here=0`.
+/// Returns the target of a request with `here=1`, replacing `here=0`.
 std::string with_here(const std::string& target) {
   const std::size_t mark = target.find('?');
   std::string changed = target.substr(0, mark) + "?";
@@ -218,7 +218,7 @@ ApiResponse Api::create_session(const ApiCall& call) {
     if (!scene) return registry_failure(scene.error());
     return json_response(200, price_of(*scene));
   }
-  if (source.files.empty()) {  // uploaded files are here only
+  if (source.files.empty()) {  // uploaded files exist on this server only
     if (auto elsewhere = create_elsewhere(call.request)) return *std::move(elsewhere);
   }
   const auto created = registry_.create(id, call.request.body, source);
@@ -226,8 +226,9 @@ ApiResponse Api::create_session(const ApiCall& call) {
   return created_response(**created);
 }
 
-/// A new session goes to the server of the cluster with the fewest. The parameter `here` ends that:
-/// servers that know each other's numbers of a second ago must not send a client round in circles.
+/// Redirects the creation of a session to the server of the cluster with the fewest sessions.
+/// `here` prevents loops: servers whose figures of each other are a second old could redirect a
+/// client back and forth.
 std::optional<ApiResponse> Api::create_elsewhere(const ApiRequest& request) {
   const std::string* here = request.query_value("here");
   const bool stays = request.is_script || (here != nullptr && *here == "1");
@@ -257,11 +258,11 @@ ApiResponse Api::create_branch(const ApiCall& call, const std::string& id) {
 ApiResponse Api::close_session(const ApiCall& call) {
   const std::string* value = call.request.query_value("purge");
   const bool purge = value != nullptr && *value == "1";
-  // On a full disk it stays open, with its rights.
+  // On a full disk the session stays open and keeps its rights.
   if (const auto flushed = call.session->flush(); !flushed && !purge) {
     return registry_failure({RegistryErrorCode::kNotClosed, stays_open(flushed.error()), {}});
   }
-  // First, so that nobody has rights to a later session of the same id.
+  // Delete the rights first, so that none apply to a later session with the same id.
   if (auto done = access_.forget(call.session->id()); !done) return access_failure(done.error());
   call.session->attach({});
   const auto closed = registry_.close(call.session->id(), purge);
@@ -301,7 +302,7 @@ ApiResponse Api::delete_closed(const ApiCall& call) {
 
 ApiResponse Api::session_info(const ApiCall& call) {
   Session& session = *call.session;
-  // The hash is read first: while nothing is being cut, both belong to the same state.
+  // Read the hash first: unless the session is being cut, it matches the information.
   const StateHash hash = current_solid(session).hash;
   const auto info = run_and_wait(session.executor(), [&] { return session.info(); });
   return json_response(200, to_text(info_json(session, info, hash)));

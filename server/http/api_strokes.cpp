@@ -23,7 +23,7 @@ Json stroke_json(const ListedStroke& listed) {
           {"end_ms", stroke.end_ms},   {"undone", listed.is_undone}};
 }
 
-/// The numbers of `strokes`, separated by commas; nullopt if one is malformed or there are too
+/// Parses `strokes`, numbers separated by commas. Nullopt if one is malformed or there are too
 /// many.
 std::optional<std::vector<StrokeId>> parse_strokes(const std::string& text) {
   std::vector<StrokeId> ids;
@@ -45,7 +45,7 @@ ApiResponse stroke_failure(const Rejection& rejection) {
 
 }  // namespace
 
-/// Made by a thread that makes files, whose niceness its threads get.
+/// Create the pool on a file-making thread, whose niceness its threads inherit.
 ThreadPool& Api::carvers() {
   std::call_once(carvers_made_, [this] {
     carvers_ = std::make_unique<ThreadPool>(

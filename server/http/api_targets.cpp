@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The routes for target parts, which blocks are compared with.
+// The routes for target parts, with which blocks are compared.
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -22,12 +22,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Samples of the survey are at most about so many pitches apart, and at most about so many on the
+/// Maximum distance of survey samples, in pitches, and approximate maximum number of samples on the
 /// sides of the block.
 constexpr double kSpacingPitches = 1;
 constexpr double kSamplesOfBounds = 500'000;
 
-// The bytes of the points are those in memory.
+// Points are sent as their bytes in memory.
 static_assert(std::endian::native == std::endian::little);
 
 Json array_of(Vec3 v) { return {v.x, v.y, v.z}; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The routes that help to choose a new session: scenes to begin with, and what a scene would cost.
+// The routes that help to choose a new session: scene templates and the cost of a scene.
 #include <nlohmann/json.hpp>
 
 #include "kernel/dexel/stock_column.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Beast's request as plain data; for http_connection.cpp alone.
+// Converts Beast's requests to plain data. For http_connection.cpp only.
 
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/http/string_body.hpp>
@@ -16,7 +16,7 @@ using BeastRequest = boost::beast::http::request<boost::beast::http::string_body
 
 inline std::string_view view(boost::beast::string_view text) { return {text.data(), text.size()}; }
 
-/// The values of all headers of this name, as one list.
+/// Joins the values of all headers with this name to one list.
 inline std::string values_of(const BeastRequest& request, const char* name) {
   std::string list;
   const auto [first, last] = request.equal_range(name);
@@ -26,7 +26,7 @@ inline std::string values_of(const BeastRequest& request, const char* name) {
   return list;
 }
 
-/// Whether the body has an encoding of transfer, so that Content-Length does not tell its end.
+/// Whether the body has a transfer coding, so that Content-Length does not define its end.
 inline bool is_encoded(const BeastRequest& request) {
   return request.count(boost::beast::http::field::transfer_encoding) > 0;
 }

@@ -18,7 +18,7 @@ bool is_equal(std::string_view one, std::string_view other) {
   });
 }
 
-/// Removes ":PORT" and the brackets of an IPv6 address. Empty for a malformed text.
+/// Removes ":PORT" and the brackets of an IPv6 address. Empty if malformed.
 std::string_view name_of(std::string_view host) {
   const bool in_brackets = host.starts_with('[');
   const auto end = std::min(host.find(in_brackets ? ']' : ':'), host.size());
@@ -45,7 +45,7 @@ std::vector<std::string> list_of(const std::function<std::vector<std::string>()>
   return servers ? servers() : std::vector<std::string>{};
 }
 
-/// Returns whether an origin is that of a server of the cluster.
+/// Returns whether an origin is a server of the cluster.
 bool is_of_cluster(std::string_view origin, const HttpOptions& options) {
   const auto servers = list_of(options.page_servers);
   return std::ranges::find(servers, origin) != servers.end();
@@ -57,14 +57,14 @@ bool is_listed(std::string_view origin, const HttpOptions& options) {
          is_of_cluster(origin, options);
 }
 
-/// Returns whether a target is that of the page as other sites may frame it. The viewer reads the
-/// same parameter and then shows the picture only.
+/// Returns whether a target is the page for framing by other sites. The viewer reads the same
+/// parameter and then only shows the picture.
 bool is_embed(std::string_view target) {
   const auto request = parse_target(target);
   return request && request->path.empty() && request->query_value("embed") != nullptr;
 }
 
-/// The value of frame-ancestors: who may frame the response.
+/// Returns the value of frame-ancestors: the sites that may frame the response.
 std::string frames_of(const BrowserHeaders& headers, const HttpOptions& options, bool is_page) {
   if (!is_page || options.embed_origins.empty() || !is_embed(headers.target)) return "'none'";
   std::string origins;
@@ -74,7 +74,8 @@ std::string frames_of(const BrowserHeaders& headers, const HttpOptions& options,
   return origins;
 }
 
-/// The viewer: its decoder of meshes is WebAssembly, and colors are style attributes.
+/// Returns the policy of the viewer: its mesh decoder is WebAssembly, and it sets colors in style
+/// attributes.
 std::string page_policy(const BrowserHeaders& headers, const HttpOptions& options) {
   std::string own = "'self'";
   // Some browsers do not count WebSockets as 'self'.
@@ -82,7 +83,7 @@ std::string page_policy(const BrowserHeaders& headers, const HttpOptions& option
   if (!host.empty() && !headers.is_secure) own.append(" ws://").append(host);
   if (!host.empty()) own.append(" wss://").append(host);
   for (const std::string& server : list_of(options.other_servers)) {
-    // http: does not count for ws:. The hand goes on at the owner of a session.
+    // "http:" does not cover "ws:". The hand connects to the owner of a session.
     own.append(" ").append(server).append(" ws").append(server.substr(std::string("http").size()));
   }
   return "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' "
@@ -91,8 +92,8 @@ std::string page_policy(const BrowserHeaders& headers, const HttpOptions& option
          own + " data: blob:; object-src 'none'; base-uri 'none'; form-action 'self'";
 }
 
-/// The policy of a file by itself. That of a script counts where a worker runs it: Firefox gives a
-/// worker WebAssembly modules, also compiled ones, only if this allows them.
+/// Returns the policy of a single file. For a script it applies in workers: Firefox gives a worker
+/// WebAssembly modules, even compiled ones, only if the policy allows them.
 std::string file_policy(std::string_view content_type) {
   const bool is_script = content_type.starts_with("text/javascript");
   return is_script ? "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'"
@@ -131,7 +132,7 @@ void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& optio
       (is_page ? page_policy(headers, options) : file_policy(response.content_type)) +
           "; frame-ancestors " + frames);
   add("X-Content-Type-Options", "nosniff");
-  if (frames == "'none'") add("X-Frame-Options", "DENY");  // cannot name origins
+  if (frames == "'none'") add("X-Frame-Options", "DENY");  // X-Frame-Options cannot name origins
   add("Referrer-Policy", "no-referrer");
   if (headers.is_secure && !is_equal(name_of(headers.host), "localhost")) {
     add("Strict-Transport-Security", "max-age=15552000");
@@ -140,7 +141,8 @@ void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& optio
   add("Vary", "Origin");
   if (!is_listed(headers.origin, options)) return;
   add("Access-Control-Allow-Origin", std::string(headers.origin));
-  // The pass of an invitation; to a page of another site browsers do not give it (SameSite).
+  // Allows the pass of an invitation, which browsers do not send to pages of other sites
+  // (SameSite).
   if (is_of_cluster(headers.origin, options)) add("Access-Control-Allow-Credentials", "true");
   add("Access-Control-Expose-Headers",
       "Accept-Ranges, Content-Disposition, Content-Range, ETag, Location, Retry-After");

@@ -9,35 +9,34 @@
 
 namespace kerf::net {
 
-/// The headers of a request by which a browser says what it talks to and for which page.
+/// The headers by which a browser identifies the server and the page of a request.
 struct BrowserHeaders {
   std::string_view host, origin;  ///< empty if missing
-  bool is_secure = false;         ///< the page has come over TLS
-  std::string_view target = {};   ///< of the request line
+  bool is_secure = false;         ///< the request came over TLS
+  std::string_view target = {};   ///< from the request line
 };
 
 /// Returns whether the Host header names this server: an IP address, localhost, the host of an
-/// allowed origin, or an allowed host. Another name may be one that an attacker's DNS has pointed
-/// here ("DNS rebinding"): to the browser, the attacker's page then has the origin of this server.
-/// An IP address cannot be such a name. A missing header is allowed: browsers send it.
+/// allowed origin, or an allowed host. Any other name could be one that an attacker's DNS has
+/// pointed here ("DNS rebinding"), and the attacker's page would have this server's origin. IP
+/// addresses cannot be such names. A missing header is allowed because browsers always send one.
 bool host_allowed(std::string_view host, const HttpOptions& options);
 
-/// Returns whether a page of this origin may change sessions and open WebSockets: it is the
-/// server's own, whose host must be allowed, or listed, or the client is no browser.
+/// Returns whether a page of this origin may change sessions and open WebSockets. True for the
+/// server's own origin, whose host must be allowed, for listed origins, and for clients that are
+/// not browsers.
 bool origin_allowed(const BrowserHeaders& headers, const HttpOptions& options);
 
-/// Adds the headers that restrict what a browser does with a response: content is what its type
-/// says, nothing frames it, the page loads nothing from elsewhere, and no address is sent to other
-/// sites. Sites of `embed_origins` may frame the page at `/?embed`, which changes nothing, and
-/// nothing else. Pages of listed origins may read the response (CORS), those of the servers of a
-/// cluster with the browser's pass. Over TLS, browsers are asked
-/// to use nothing else for this host (HSTS), but for localhost, where other ports are other
-/// programs.
+/// Adds the headers that restrict how browsers use a response: no sniffing of types, no framing, no
+/// foreign resources, no referrers. Only the page at `/?embed`, which changes nothing, may be
+/// framed, by sites of `embed_origins`. Pages of listed origins may read the response (CORS), and
+/// those of cluster servers may do so with the browser's pass. Over TLS, asks browsers to use only
+/// TLS for this host (HSTS), except for localhost, where other ports are other programs.
 void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& options,
                          ApiResponse& response);
 
-/// Returns whether a text is the address of a server: http:// or https://, a name or an IP address,
-/// and perhaps a port.
+/// Returns whether a text is the address of a server: http:// or https://, a name or IP address,
+/// and an optional port.
 bool is_server_address(std::string_view text);
 
 /// Returns the answer to a CORS preflight of an allowed origin for a resource with these methods.

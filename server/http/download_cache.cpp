@@ -13,7 +13,7 @@
 namespace kerf::net {
 namespace {
 
-/// Whether this is a file as a cache names them: by a number.
+/// Whether a cache named this file, i.e. by a number.
 bool is_own(const std::filesystem::directory_entry& entry) {
   const std::string name = entry.path().filename().string();
   std::error_code gone;
@@ -102,7 +102,7 @@ DownloadCache::File DownloadCache::get(const std::string& key, const Make& make,
       return entries_.front().file;
     }
     for (const auto& other : jobs_) {
-      // One that has been asked to stop writes no file.
+      // A job that has been asked to stop will write no file.
       if (other->key != key || other->stop.stop_requested()) continue;
       const auto waiting = other;
       ++waiting->wanted;
@@ -130,7 +130,7 @@ DownloadCache::File DownloadCache::get(const std::string& key, const Make& make,
   return file;
 }
 
-// A writer that runs out of memory must not leave others waiting for its file.
+// A writer that runs out of memory must still release the calls that wait for its file.
 DownloadCache::File DownloadCache::make_file(Job& job, const std::filesystem::path& path,
                                              const Make& make) {
   File file;

@@ -21,7 +21,7 @@
 
 namespace kerf::net {
 
-/// A file that is open for reading; it may have been unlinked.
+/// A file open for reading, possibly unlinked.
 class OpenFile {
  public:
   static std::expected<std::shared_ptr<const OpenFile>, std::string> open(
@@ -30,7 +30,7 @@ class OpenFile {
   OpenFile(const OpenFile&) = delete;
   OpenFile& operator=(const OpenFile&) = delete;
   std::uint64_t bytes() const { return bytes_; }
-  /// What is stated with the file; may be empty.
+  /// The note made with the file; may be empty.
   const std::string& note() const { return note_; }
   /// Reads up to `size` bytes at `offset` and returns their number; 0 at the end or on an error.
   /// Thread-safe.
@@ -47,34 +47,32 @@ class OpenFile {
 /// The reason why a file could not be made.
 struct MakeError {
   std::string reason;
-  bool impossible = false;  ///< the request cannot be met; otherwise the server is at fault
-  bool no_space = false;    ///< the disk is needed for sessions
+  bool impossible = false;  ///< the request cannot be met; otherwise the server failed
+  bool no_space = false;    ///< the disk space is reserved for sessions
 };
 
-/// The note of a file that was made (OpenFile::note), or why there is none.
+/// The note of a finished file (OpenFile::note), or the error.
 using MadeFile = std::expected<std::string, MakeError>;
 
-/// Files made on demand for downloads, written once per key and then shared by all requests for it.
-/// They are unlinked, so none is left behind. A file instead of a stream means that a slow client
-/// occupies neither a thread nor memory, and that the length is known before the first byte.
-/// Thread-safe.
+/// Makes files for downloads on demand: one per key, shared by all requests for it. They are
+/// unlinked, so none is left behind. Unlike with a stream, the length is known before the first
+/// byte, and a slow client occupies neither a thread nor memory. Thread-safe.
 class DownloadCache {
  public:
-  /// The folder should hold nothing else. Numbered files that a crash left in it are deleted.
+  /// `folder` should hold nothing else. Deletes numbered files that a crash left in it.
   explicit DownloadCache(std::filesystem::path folder);
   using File = std::expected<std::shared_ptr<const OpenFile>, MakeError>;
   using Progress = std::function<void(double)>;  ///< receives the completed share, 0 to 1
   using Make = std::function<MadeFile(const std::filesystem::path&, const Progress&,
                                       const std::stop_token&)>;
-  /// Returns the file for `key`; `make` writes it if it does not exist. Blocks while another call
-  /// writes the same file. `make` is asked to stop once all calls for the file have been asked to
-  /// (`gone`), and by stop(). A call that waits for another one ends with its own `gone`.
+  /// Returns the file for `key`, written by `make` unless it exists. Blocks while another call
+  /// writes the same file. `make` is asked to stop by stop(), and once all calls for the file have
+  /// been asked to by their `gone`. A waiting call ends with its own `gone`.
   File get(const std::string& key, const Make& make, const std::stop_token& gone = {});
-  /// Asks all files that are being written to stop. Later calls of get() write none.
+  /// Asks all writers to stop. Later calls of get() write nothing.
   void stop();
-  /// The disk is needed for something else, for this reason: the files that are kept are let go,
-  /// those that are being written are asked to stop, and get() writes none, until this is called
-  /// with nothing.
+  /// Frees the disk for another use, named by `reason`: drops the kept files and asks all writers
+  /// to stop. get() writes nothing until this is called with nullopt.
   void keep_free(std::optional<std::string> reason);
 
   /// A file that is being written.
@@ -85,13 +83,13 @@ class DownloadCache {
   };
   /// Returns the files being written whose key starts with `prefix`.
   std::vector<Making> making(std::string_view prefix) const;
-  /// Returns how many calls of get() want the file that is being written for `key`.
+  /// Returns the number of get() calls that want the file being written for `key`.
   int waiting(std::string_view key) const;
 
  private:
   static constexpr std::size_t kFilesMax = 16;
-  /// Bytes of the files that are kept, but for the newest one. They are unlinked, so an operator
-  /// who looks for what fills the disk does not find them.
+  /// Bytes of kept files, not counting the newest. They are unlinked, so an operator who searches a
+  /// full disk does not see them.
   static constexpr std::uint64_t kBytesMax = std::uint64_t{1} << 30;
   struct Entry {
     std::string key;
@@ -103,11 +101,11 @@ class DownloadCache {
     std::atomic<double> share = 0;
     std::mutex mutex;  ///< guards the file
     std::condition_variable_any made;
-    std::optional<File> file;  ///< once it has been made, or has failed
+    std::optional<File> file;  ///< set once the file is finished or has failed
     std::stop_source stop;
-    std::atomic<int> wanted = 1;  ///< calls of get() that have not been asked to stop
+    std::atomic<int> wanted = 1;  ///< number of get() calls not yet asked to stop
   };
-  /// Waits as one of the calls that want the file, until it is made or `gone`.
+  /// Waits until the file is finished or `gone` is requested; counts as a call that wants the file.
   static File wait(const std::shared_ptr<Job>& job, const std::stop_token& gone);
   File make_file(Job& job, const std::filesystem::path& path, const Make& make);
   void keep(const std::string& key, const std::shared_ptr<const OpenFile>& file);
@@ -118,7 +116,7 @@ class DownloadCache {
   std::list<std::shared_ptr<Job>> jobs_;
   std::uint64_t last_ = 0;
   bool stopped_ = false;
-  std::optional<std::string> needed_;  ///< why the disk is needed for something else
+  std::optional<std::string> needed_;  ///< why the disk is reserved, if it is
 };
 
 }  // namespace kerf::net

@@ -21,7 +21,7 @@ std::string clean(std::string_view text) {
     if (name.size() >= kNameBytesMax && !is_continuation(c)) break;
     name.push_back(is_rejected_somewhere(c) ? '-' : c);
   }
-  // Leading dots hide a file; some systems remove trailing dots and blanks.
+  // Leading dots hide a file, and some systems remove trailing dots and blanks.
   while (!name.empty() && (name.front() == '.' || name.front() == ' ')) name.erase(0, 1);
   while (!name.empty() && (name.back() == '.' || name.back() == ' ')) name.pop_back();
   return name;

@@ -114,7 +114,7 @@ std::expected<void, DownloadError> read_program(const ApiRequest& request,
   return {};
 }
 
-/// After read_program().
+/// Reads the parameters of a plot. Call after read_program().
 std::expected<void, DownloadError> read_plot(const ApiRequest& request, DownloadRequest& download) {
   const ProgramRequest& program = download.program;
   ForcePlotRequest& plot = download.plot;

@@ -19,19 +19,19 @@ struct DownloadKind {
   const char* extension;
 };
 
-/// A request for a file that is made from a session.
+/// A request for a file made from a session.
 struct DownloadRequest {
   DownloadKind kind;
-  std::optional<ModelFormat> model;  ///< nothing: made of motions
+  std::optional<ModelFormat> model;  ///< nullopt for a file made of motions
   ModelEncoding encoding = ModelEncoding::kBinary;
   SimplifyRequest simplify;
-  bool is_exact = false;           ///< of a model: whatever its size
-  Vec3 shift_mm;                   ///< of a model: added to its coordinates
-  std::optional<HistoryPoint> at;  ///< of a model: the block as it was then; nothing: now
+  bool is_exact = false;           ///< model: exact, whatever its size
+  Vec3 shift_mm;                   ///< model: added to its coordinates
+  std::optional<HistoryPoint> at;  ///< model: the point in time; nullopt for the current block
   ProgramRequest program;
   ForcesRequest forces;
   ForcePlotRequest plot;
-  std::string suffix;  ///< of the file name: the parameters that are not the defaults
+  std::string suffix;  ///< of the file name: the non-default parameters
 };
 
 struct DownloadError {

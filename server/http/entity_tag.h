@@ -12,9 +12,9 @@ inline bool is_named(const std::string& if_none_match, const std::string& etag) 
   return if_none_match == "*" || if_none_match.find(etag) != std::string::npos;
 }
 
-/// Writes the entity tag, quotes included, into the response to a request for a file that a client
-/// may keep, but asks for again. Returns whether the client has that file (`If-None-Match` names
-/// the tag, or is `*`); the response is then complete, with status 304.
+/// Adds an ETag header with `etag` (quotes included) for a file that clients may keep but must
+/// revalidate. If the client has that file (`If-None-Match` names the tag or is `*`), completes the
+/// response as a 304 and returns true.
 inline bool has_client(const ApiRequest& request, const std::string& etag, ApiResponse& response) {
   response.headers.emplace_back("ETag", etag);
   response.headers.emplace_back("Cache-Control", "no-cache");

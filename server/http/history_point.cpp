@@ -15,23 +15,23 @@ namespace kerf::net {
 namespace {
 
 constexpr std::size_t kPointNameBytesMax = 64;
-constexpr int kDecimals = 3;  ///< of a second that count
+constexpr int kDecimals = 3;  ///< significant decimals of a second
 
-/// The number that some digits of a text spell.
+/// Parses some digits of a text.
 int digits(std::string_view text, std::size_t at, std::size_t count) {
   return parse_number<int>(text.substr(at, count)).value_or(-1);
 }
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Whether a text begins like `form`, in which 0 is any digit.
+/// Whether a text begins with `form`, in which 0 stands for any digit.
 bool has_form(std::string_view text, std::string_view form) {
   const auto matches = [](char c, char f) { return f == '0' ? is_digit(c) : c == f; };
   return text.size() >= form.size() &&
          std::ranges::equal(text.substr(0, form.size()), form, matches);
 }
 
-/// The decimals of a second, as ms; nullopt if they are malformed.
+/// Parses the decimals of a second, as ms; nullopt if malformed.
 std::optional<int> parse_decimals(std::string_view text) {
   if (text.empty()) return 0;
   if (text.front() != '.' || text.size() == 1) return std::nullopt;
@@ -44,7 +44,7 @@ std::optional<int> parse_decimals(std::string_view text) {
   return std::ranges::all_of(text, is_digit) ? std::optional(ms) : std::nullopt;
 }
 
-/// 404: the record is one that a salvaged journal has lost.
+/// Returns a 404: the record is one that a salvaged journal has lost.
 ApiResponse lost_record(std::uint64_t base) {
   return error_response(
       404, "no_record",

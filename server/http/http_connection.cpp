@@ -40,7 +40,7 @@ using Parser = http::request_parser<http::string_body>;
 constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
 constexpr std::chrono::seconds kHandshakeTime{5}, kHeaderTime{10}, kIdleTime{60}, kChunkTime{30};
 constexpr std::chrono::seconds kLingerTime{2};
-/// A request for a session that is being loaded waits for it as long as this.
+/// How long a request waits for a session that is being loaded.
 constexpr std::chrono::seconds kLoadTime{wire::kLoadWaitS};
 constexpr std::chrono::milliseconds kLoadPoll{5};
 constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = std::size_t{16} * 1024;
@@ -70,12 +70,12 @@ class Connection {
   asio::awaitable<void> run();
 
  private:
-  /// Shakes hands if there is TLS; false if the connection is of no use.
+  /// Performs the TLS handshake, if any. Returns false if the connection is unusable.
   asio::awaitable<bool> secure();
   asio::awaitable<bool> serve_one();
-  /// The head of a request, from whom it comes.
+  /// Extracts the head of a request, including its sender.
   RequestHead understand(const BeastRequest& request) const;
-  /// Closes the connection after this time, unless it is called again before.
+  /// Closes the connection after this time unless called again before.
   void expires_after(std::chrono::seconds time);
   void end_deadline();
   asio::awaitable<bool> read_body(Parser& parser, std::size_t bytes_max);
@@ -103,7 +103,7 @@ class Connection {
   OpenConnections::Place place_;
   bool first_ = true;
   error_code error_;
-  UploadBudget::Share upload_;  ///< of the body that is being read or handled
+  UploadBudget::Share upload_;  ///< for the body being read or handled
 };
 
 asio::awaitable<ApiResponse> Connection::handle(ApiRequest& request, Runs runs,
@@ -111,7 +111,7 @@ asio::awaitable<ApiResponse> Connection::handle(ApiRequest& request, Runs runs,
   FairQueue* const queue = context_.turns_of(runs);
   JobStops::Source gone;
   if (queue != nullptr) {
-    // The request that closes a session does not end with it.
+    // A request that closes a session must not be stopped by that.
     const bool is_of_session = runs != Runs::kWork && is_below_session(request.path);
     gone = context_.api.begin_job(is_of_session ? request.path[2] : std::string());
     request.stop = gone->get_token();
@@ -134,24 +134,24 @@ asio::awaitable<ApiResponse> Connection::handle(ApiRequest& request, Runs runs,
   co_return done ? *std::move(done) : stopped();
 }
 
-/// Requests a stop when the client closes the connection before its request has been handled.
+/// Requests a stop if the client closes the connection while its request is being handled.
 void Connection::watch(const JobStops::Source& gone) {
   auto readable = [this, job = std::weak_ptr(gone),
                    alive = std::weak_ptr(alive_)](error_code error) {
     const auto source = job.lock();
-    if (!source || alive.expired()) return;  // handled
+    if (!source || alive.expired()) return;  // the request has been handled
     if (error || stream_.has_peer_ended()) source->request_stop();
   };
   stream_.socket().async_wait(asio::ip::tcp::socket::wait_read, std::move(readable));
 }
 
-/// Not cancel(): a handler that waits to be called already would close the connection.
+/// Do not use cancel(): a handler already queued would close the connection.
 void Connection::end_deadline() { deadline_.expires_at(Clock::time_point::max()); }
 
 void Connection::expires_after(std::chrono::seconds time) {
   deadline_.expires_after(time);
   deadline_.async_wait([this, alive = std::weak_ptr(alive_)](error_code error) {
-    // A wait that had ended before the deadline was moved must not count.
+    // Ignore a wait that ended before the deadline was moved.
     if (error || alive.expired() || deadline_.expiry() > Clock::now()) return;
     stream_.close();
   });
@@ -193,7 +193,7 @@ asio::awaitable<bool> Connection::serve_one() {
   const RequestHead head = understand(parser.get());
   auto request = screen(head, context_.options);
   if (!request) co_return co_await answer(head, request.error(), false);
-  // Who has no right to a session does not learn that it is loading.
+  // Callers without rights to a session must not learn that it is loading.
   Caller caller;
   const RouteMatch match = context_.api.routes().match(request->method, request->path);
   auto rejection = context_.api.refuse(*request, match, caller);
@@ -255,7 +255,8 @@ asio::awaitable<bool> Connection::reject_malformed() {
 asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_max) {
   const auto length = parser.content_length();
   const RequestHead head = understand(parser.get());
-  // Memory is reserved by the length, and an unknown coding does not tell where the body ends.
+  // Memory is reserved by Content-Length, and an unknown coding does not define the end of the
+  // body.
   if (is_encoded(parser.get())) {
     co_return co_await reject(head, 411, "length_required", "the body needs a Content-Length");
   }
@@ -279,7 +280,7 @@ asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_ma
   const auto end = Clock::now() + pace.time_for(bytes);
   while (!error_ && !parser.is_done()) {
     if (Clock::now() > end) {
-      // Gives the memory back now: the peer may take seconds to close the connection.
+      // Release the memory now: the peer may take seconds to close the connection.
       upload_ = {};
       const std::string reason = pace.too_slow();
       co_return co_await reject(head, 408, "too_slow", reason);
@@ -300,8 +301,8 @@ asio::awaitable<bool> Connection::reject(const RequestHead& head, unsigned statu
   co_return co_await answer(head, response, false);
 }
 
-/// Reads what the peer still sends. Closing at once would reset the connection, and the peer might
-/// not receive the response.
+/// Drains the connection before closing it. Closing at once would reset it, and the peer might not
+/// receive the response.
 asio::awaitable<void> Connection::linger() {
   error_code ignored;
   stream_.end_sending();

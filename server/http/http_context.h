@@ -12,19 +12,20 @@ namespace kerf::net {
 class TlsCertificate;
 struct HttpOptions;
 
-/// The parts of the server that an HTTP connection uses; outlives every connection.
+/// The parts of the server that HTTP connections use. Outlives every connection.
 struct HttpContext {
   const HttpOptions& options;
   SessionRegistry& registry;
   Metrics& metrics;
   Api& api;
-  IoThreads& immediate;                                        ///< requests that wait for nothing
-  FairQueue &control, &history, &workers, &readers, &exports;  ///< of Runs::kSession and so on
+  IoThreads& immediate;                                        ///< requests that never block
+  FairQueue &control, &history, &workers, &readers, &exports;  ///< queues of Runs::kSession and so
+                                                               ///< on
   PeerContext& peers;                           ///< for connections that become WebSockets
   OpenConnections& open;                        ///< viewers' thread only
-  const TlsCertificate* certificate = nullptr;  ///< null: without TLS
+  const TlsCertificate* certificate = nullptr;  ///< null without TLS
 
-  /// The turns of requests that may have to wait; null for the others.
+  /// The queue of requests that may block; null for the rest.
   FairQueue* turns_of(Runs runs) const {
     switch (runs) {
       case Runs::kAtOnce:

@@ -11,13 +11,14 @@
 
 namespace kerf::net {
 
-/// What ends the work on requests: their sessions are closed, or the server stops. The connection
-/// of a request requests its stop too, when the client is gone. Thread-safe.
+/// Stops the work on requests when their session is closed or the server stops. A connection also
+/// requests the stop of its request when the client is gone. Thread-safe.
 class JobStops {
  public:
   using Source = std::shared_ptr<std::stop_source>;
 
-  /// Returns the stop of a request, for as long as it is kept. `session`: empty if it is of none.
+  /// Returns the stop of a request, in effect while it is kept. `session`: empty if the request has
+  /// none.
   Source begin(std::string session) {
     Source stop = std::make_shared<std::stop_source>();
     const std::lock_guard lock(mutex_);
@@ -26,11 +27,11 @@ class JobStops {
     if (is_stopped_) stop->request_stop();
     return stop;
   }
-  /// Ends the work on the requests of a session.
+  /// Stops the work on requests of a session.
   void end(const std::string& session) {
     request(take([&](const Job& job) { return job.session == session; }));
   }
-  /// Ends all work, also on later requests.
+  /// Stops all work, including that on later requests.
   void stop() {
     {
       const std::lock_guard lock(mutex_);
@@ -55,7 +56,7 @@ class JobStops {
     }
     return stops;
   }
-  /// Without the lock: what is called may end other jobs.
+  /// Call without the lock: callbacks may end other jobs.
   static void request(const std::vector<Source>& stops) {
     for (const Source& stop : stops) stop->request_stop();
   }

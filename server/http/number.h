@@ -8,7 +8,7 @@
 
 namespace kerf::net {
 
-/// The number that the whole text spells; nothing if it is not one or out of the range of T.
+/// Parses the whole text as a number. Nullopt if it is malformed or out of the range of T.
 template <class T>
 std::optional<T> parse_number(std::string_view text) {
   T value{};

@@ -12,9 +12,9 @@
 
 namespace kerf::net {
 
-/// The connections that are no WebSockets, or not yet, by the network of their client (network_of).
-/// Where a server has as many connections as it may, one of them is closed for a new one. One
-/// thread.
+/// The connections that are not WebSockets (yet), by network of the client (network_of). When the
+/// server has its maximum number of connections, one of these is closed for each new one.
+/// Single-threaded.
 class OpenConnections {
   struct Entry {
     std::string network;
@@ -23,7 +23,7 @@ class OpenConnections {
   using Entries = std::list<Entry>;  ///< oldest first
 
  public:
-  /// Keeps a connection among them until it is destroyed, or left.
+  /// The entry of a connection, removed by leave() or its destructor.
   class Place {
    public:
     Place() = default;
@@ -46,15 +46,15 @@ class OpenConnections {
     Entries::iterator entry_;
   };
 
-  /// `close` ends the connection; it is called at most once, and does not destroy the place at
-  /// once.
+  /// Adds a connection. `close` ends it; it is called at most once and does not destroy the place
+  /// at once.
   Place enter(std::string network, std::function<void()> close) {
     ++counts_[network];
     entries_.push_back({std::move(network), std::move(close)});
     return {this, std::prev(entries_.end())};
   }
-  /// Closes the oldest connection of the network that has most of those that are not closed yet;
-  /// false if there is none.
+  /// Closes the oldest connection of the network with the most open ones. Returns false if there is
+  /// none.
   bool close_one() {
     const auto most =
         std::ranges::max_element(counts_, {}, [](const auto& count) { return count.second; });
@@ -78,7 +78,7 @@ class OpenConnections {
   }
 
   Entries entries_;
-  std::map<std::string, std::size_t> counts_;  ///< of those that are not closed yet
+  std::map<std::string, std::size_t> counts_;  ///< of connections not yet closed
 };
 
 }  // namespace kerf::net

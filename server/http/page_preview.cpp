@@ -4,7 +4,7 @@
 namespace kerf::net {
 namespace {
 
-/// A text as the value of an attribute in double quotes.
+/// Returns a text as an attribute value in double quotes.
 std::string quoted(std::string_view text) {
   std::string html = "\"";
   for (const char c : text) {

@@ -6,14 +6,14 @@
 
 namespace kerf::net {
 
-/// What messengers and other sites show of a link to the page of a session.
+/// The preview that messengers and other sites show for a link to a session's page.
 struct PagePreview {
   std::string title;
   std::string picture_url;  ///< absolute; 960 x 720 pixels
 };
 
-/// Returns the page with the preview as tags of the Open Graph protocol (ogp.me) at the end of its
-/// head, or the page as it is if it has none.
+/// Returns the page with the preview as Open Graph tags (ogp.me) at the end of its head. A page
+/// without a head is returned unchanged.
 std::string with_preview(std::string page, const PagePreview& preview);
 
 }  // namespace kerf::net

@@ -7,10 +7,10 @@
 
 namespace kerf::net {
 
-/// A place in the list of pictures that are being made, until its end.
+/// An entry in the list of pictures being made, removed by its destructor.
 class PictureCache::Turn {
  public:
-  /// The mutex of the cache must be held.
+  /// Call with the mutex of the cache held.
   Turn(PictureCache& cache, Making making)
       : cache_(cache), at_(cache.making_.insert(cache.making_.end(), std::move(making))) {}
   ~Turn() {
@@ -60,7 +60,7 @@ std::expected<PictureCache::Picture, MakeError> PictureCache::get(
   return picture;
 }
 
-/// DownloadCache lets calls for the same state share its file.
+/// Calls for the same state share the file of DownloadCache.
 std::expected<PictureCache::Picture, MakeError> PictureCache::make(const Making& making,
                                                                    const std::stop_token& gone) {
   const Present& state = making.state.get();

@@ -18,29 +18,29 @@
 
 namespace kerf::net {
 
-/// The newest picture of each session and size, at most 64. While a block changes, between two of
-/// its pictures nothing is made for `pause`, however many ask. Thread-safe.
+/// The newest picture of each session and size, at most 64. While a block changes, a picture is
+/// made at most once per `pause` after the last one, however many clients ask. Thread-safe.
 class PictureCache {
  public:
   explicit PictureCache(std::filesystem::path folder,
                         std::chrono::milliseconds pause = std::chrono::seconds(2),
                         std::function<Clock::time_point()> now = Clock::now);
   struct Picture {
-    std::string tag;  ///< of the state that it shows
+    std::string tag;  ///< of the state shown
     std::shared_ptr<const OpenFile> file;
   };
-  /// The present state, and what writes its picture.
+  /// The current state and the writer of its picture.
   struct Present {
     std::string tag;
     DownloadCache::Make make;
   };
-  /// Returns the picture `name`: the newest one until the pause after it is over, else the one that
-  /// another call is making. If there is none, calls `present` and makes it. Stops as
-  /// DownloadCache::get does.
+  /// Returns the picture `name`: the newest one until its pause is over, else the one that another
+  /// call is making. If there is none, calls `present` and makes it. Stops as DownloadCache::get
+  /// does.
   std::expected<Picture, MakeError> get(const std::string& name,
                                         const std::function<Present()>& present,
                                         const std::stop_token& gone = {});
-  /// Asks all pictures that are being made to stop. Later calls of get() make none.
+  /// Asks all writers to stop. Later calls of get() make nothing.
   void stop() { files_.stop(); }
 
  private:
@@ -48,13 +48,13 @@ class PictureCache {
   struct Entry {
     std::string name;
     Picture picture;
-    Clock::time_point made_at;  ///< the end of making it
+    Clock::time_point made_at;  ///< when it was finished
   };
-  /// A picture that is being made, of a state that its first call asks for.
+  /// A picture being made, of the state that its first call has requested.
   struct Making {
     std::string name;
     std::shared_future<Present> state;
-    std::optional<Picture> newest;  ///< the one before
+    std::optional<Picture> newest;  ///< the previous picture
   };
   class Turn;
   std::expected<Picture, MakeError> make(const Making& making, const std::stop_token& gone);

@@ -16,8 +16,8 @@ namespace kerf::net {
 
 inline constexpr double kPlaceMaxMm = 1e6;
 
-/// The place that "X,Y,Z" spells; nothing if the parameter is missing, or is not three numbers of
-/// at most kPlaceMaxMm.
+/// Parses a point "X,Y,Z". Nullopt if the parameter is missing or is not three numbers of at most
+/// kPlaceMaxMm.
 inline std::optional<Vec3> parse_place(const std::string* text) {
   if (text == nullptr) return std::nullopt;
   std::array<double, 3> values{};

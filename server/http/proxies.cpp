@@ -46,14 +46,14 @@ std::string to_text(const Bytes& bytes) {
   return text.data();
 }
 
-/// Some proxies add a port, and brackets to an IPv6 address.
+/// Removes the port and the IPv6 brackets that some proxies add.
 std::string_view without_port(std::string_view text) {
   if (text.starts_with('[')) return text.substr(1, std::min(text.find(']'), text.size()) - 1);
   const bool has_port = std::ranges::count(text, ':') == 1;
   return has_port ? text.substr(0, text.find(':')) : text;
 }
 
-/// The last of a list of values: the one that the nearest proxy has added.
+/// Returns the last value of a list: the one that the nearest proxy has added.
 std::string_view last_of(std::string_view list) {
   const auto comma = list.rfind(',');
   return trim(comma == list.npos ? list : list.substr(comma + 1));

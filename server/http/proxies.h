@@ -12,15 +12,14 @@ namespace kerf::net {
 
 struct RequestHead;
 
-/// The proxies whose word about their clients counts (--trust-proxy).
+/// The proxies that are trusted to name their clients (--trust-proxy).
 class TrustedProxies {
  public:
-  /// Each text is an IP address, or one with the bits of its network: "10.0.0.0/8". The error is
-  /// one sentence.
+  /// Parses texts that are IP addresses or networks: "10.0.0.0/8". The error is one sentence.
   static std::expected<TrustedProxies, std::string> parse(const std::vector<std::string>& texts);
 
   bool empty() const { return networks_.empty(); }
-  /// Whether an IP address is one of them.
+  /// Whether an IP address belongs to one of them.
   bool contains(std::string_view address) const;
 
  private:
@@ -33,16 +32,16 @@ class TrustedProxies {
 };
 
 /// Returns the address of the client for whom proxies have extended `forwarded_for`
-/// (X-Forwarded-For): the last one that is no trusted proxy; empty if there is none, or something
-/// else stands there.
+/// (X-Forwarded-For): the last address that is no trusted proxy. Empty if there is none or it is
+/// malformed.
 std::string client_of(std::string_view forwarded_for, const TrustedProxies& proxies);
 
-/// Returns the network that limits of one client apply to: an IPv4 address, or the first 64 bits of
-/// an IPv6 address, which one client has to itself. Any other text as it is.
+/// Returns the network to which limits per client apply: an IPv4 address, or the first 64 bits of
+/// an IPv6 address, which usually belong to one client. Any other text is returned unchanged.
 std::string network_of(std::string_view address);
 
-/// Replaces the address of the client, the host and whether it has come over TLS by what a trusted
-/// proxy says; no effect for any other peer.
+/// Replaces the client's address, the host and the TLS flag by the values of a trusted proxy. No
+/// effect for other peers.
 void apply_forwarding(RequestHead& head, const TrustedProxies& proxies);
 
 }  // namespace kerf::net

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the table of routes says of a request, and of itself in Markdown.
+// Looks up requests in the route table, and writes the table as Markdown.
 #include <optional>
 
 #include "server/http/routes.h"
@@ -7,11 +7,11 @@
 namespace kerf::net {
 namespace {
 
-/// A body of a request that no route accepts, read before the error is sent: many clients do not
-/// read a response while they send.
+/// A body that no route accepts is read up to this size before the error is sent: many clients do
+/// not read a response while they send.
 constexpr std::size_t kRejectedBytesMax = std::size_t{1} << 20;
 
-/// The next segment of a pattern, which is removed from it.
+/// Removes the next segment from a pattern and returns it.
 std::string_view take_segment(std::string_view& pattern) {
   pattern.remove_prefix(1);  // "/"
   const auto segment = pattern.substr(0, pattern.find('/'));
@@ -19,7 +19,8 @@ std::string_view take_segment(std::string_view& pattern) {
   return segment;
 }
 
-/// The text that the segment's "{name}" captures, empty if it has none; nothing if `text` differs.
+/// Returns the text captured by the segment's "{name}", empty without one; nullopt if `text` does
+/// not match.
 std::optional<std::string_view> match_segment(std::string_view segment, std::string_view text) {
   const auto brace = segment.find('{');
   if (brace == segment.npos) {
@@ -60,7 +61,7 @@ bool lists(std::string_view methods, std::string_view method) {
 RouteMatch RouteTable::match(std::string_view method, const std::vector<std::string>& path) const {
   RouteMatch match;
   for (const Route& route : routes_) {
-    // The viewer's files are what remains.
+    // The viewer's files are the fallback.
     if (route.pattern.ends_with("...}") && !match.allow.empty()) break;
     auto captured = match_pattern(route.pattern, path);
     if (!captured) continue;

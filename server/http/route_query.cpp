@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether the query of a request is one of its route. A parameter that is misspelled, or of another
-// route, must not pass unnoticed: the request would do something else than was asked for.
+// Checks the query of a request against its route. A misspelled parameter, or one of another route,
+// must be rejected: otherwise the request would do something else than intended.
 #include <algorithm>
 
 #include "server/http/routes.h"

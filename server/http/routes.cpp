@@ -353,7 +353,7 @@ constexpr Route kRoutes[] = {
 }  // namespace
 
 RouteTable::RouteTable(std::span<const std::span<const Route>> matters) {
-  // The last route matches any path.
+  // Append the last route at the end: it matches any path.
   const std::span<const Route> own(kRoutes);
   routes_.assign(own.begin(), own.end() - 1);
   for (const auto& routes : matters) routes_.insert(routes_.end(), routes.begin(), routes.end());

@@ -17,20 +17,19 @@ namespace kerf::net {
 /// The protocol that a WebSocket upgrade of a route leads to.
 enum class Upgrade : std::uint8_t { kNone, kAgent, kViewer };
 
-/// The threads that a request runs on, by what it may wait for. All but kAtOnce have turns by
-/// client (HttpContext); long ones end if the client is gone.
+/// The threads that handle a request, by what it may wait for. All but kAtOnce take turns by client
+/// (HttpContext). Long requests end when the client is gone.
 enum class Runs : std::uint8_t {
-  kAtOnce,   ///< waits for nothing: cached figures, the viewer's files
+  kAtOnce,   ///< never blocks: cached figures, the viewer's files
   kSession,  ///< waits for a turn of its session's thread
-  kHistory,  ///< short, but waits for the disk or the history of its session: undo, strokes, pins
-  kWork,     ///< the beginning and the end of sessions
-  kRead,     ///< long: programs and meshes of strangers are read
-  kExport    ///< long: files made from a session, and what looks back
+  kHistory,  ///< short, but waits for the disk or the session's history: undo, strokes, pins
+  kWork,     ///< opens or closes sessions
+  kRead,     ///< long: parses uploaded programs and meshes
+  kExport    ///< long: makes files from a session, or looks back
 };
 
-/// One row of the HTTP interface. Everything that depends on a request's path and method is decided
-/// by this table: dispatch, 404, 405 with Allow, 426, body limits, worker threads, and the table of
-/// README.md.
+/// One row of the HTTP interface. The table decides everything that depends on path and method:
+/// dispatch, 404, 405 with Allow, 426, body limits and threads. README.md has a copy.
 struct Route {
   using Handler = ApiResponse (Api::*)(const ApiCall&);
 
@@ -39,38 +38,38 @@ struct Route {
   /// Segments separated by "/". "{name}" matches the rest of a segment and captures it; a last
   /// segment "{name...}" matches any number of segments outside /v1.
   std::string_view pattern;
-  /// Names of the query parameters, separated by ", ", or kAnyQuery. "name=1" is a flag: 0 or 1. A
-  /// request with another one is rejected (query_fault).
+  /// Names of the query parameters, separated by ", ", or kAnyQuery. "name=1" is a flag: 0 or 1.
+  /// Any other parameter is rejected (query_fault).
   std::string_view query = {};
   Handler handler = nullptr;
   /// The handler of a matter's route; `handler` is null.
   ApiResponse (*answer)(const ApiCall&) = nullptr;
   std::size_t body_bytes_max = 0;
   Runs runs = Runs::kAtOnce;
-  Action action = Action::kAdminister;  ///< that the caller must have the right to
+  Action action = Action::kAdminister;  ///< the caller needs the right to it
   Upgrade upgrade = Upgrade::kNone;
-  std::string_view summary;  ///< for the README
+  std::string_view summary;  ///< for README.md
 };
 
-/// Of the viewer's files: their query is for the page, and sites that pass a link on add to it.
+/// For the viewer's files: their query is for the page, and sites that pass a link on add to it.
 inline constexpr std::string_view kAnyQuery = "*";
 
-/// What the table knows of a request.
+/// The result of looking up a request.
 struct RouteMatch {
-  const Route* route = nullptr;  ///< of the path and the method; null if there is none
-  std::string allow;             ///< methods of all routes of the path; empty: the path is unknown
-  Upgrade upgrade = Upgrade::kNone;  ///< of the path, whatever the method
-  std::string captured;              ///< by the last "{name}" of the pattern
+  const Route* route = nullptr;  ///< matches path and method; null if none does
+  std::string allow;             ///< methods of all routes of the path; empty for an unknown path
+  Upgrade upgrade = Upgrade::kNone;  ///< matches the path, with any method
+  std::string captured;              ///< by the pattern's last "{name}"
 };
-/// Whether the request only looks at a session's block and its history: a server that follows the
-/// session serves it. Programs, targets, regions and people are known to its owner.
+/// Whether the request only looks at a session's block and history, so that a server that follows
+/// the session can serve it. Programs, targets, regions and people are known only to the owner.
 bool only_looks(const RouteMatch& match);
 
-/// The most bytes that the body of the request may have.
+/// Maximum size of the request's body.
 std::size_t body_bytes_max(const RouteMatch& match, std::string_view method);
 
-/// What is wrong with the query of a request to a route, as a 400: a parameter that the route does
-/// not declare, one that comes twice, or a flag that is neither 0 nor 1. Nullopt: nothing.
+/// Returns a 400 for a query with an undeclared parameter, a repeated one, or a flag that is
+/// neither 0 nor 1. Nullopt if the query is valid.
 std::optional<ApiResponse> query_fault(const Route& route, const ApiRequest& request);
 
 /// The routes of the interface: its own and those of the matters.
@@ -79,7 +78,7 @@ class RouteTable {
   explicit RouteTable(std::span<const std::span<const Route>> matters);
   std::span<const Route> all() const { return routes_; }
   RouteMatch match(std::string_view method, const std::vector<std::string>& path) const;
-  /// The table of README.md.
+  /// Returns the table in README.md.
   std::string markdown() const;
 
  private:

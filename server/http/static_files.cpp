@@ -37,8 +37,8 @@ std::string content_type(const std::filesystem::path& path) {
   return "application/octet-stream";
 }
 
-/// Returns whether a client accepts a content coding, as its Accept-Encoding says (RFC 9110,
-/// 12.5.3). Only codings that are named count: "*" does not.
+/// Returns whether a client accepts a content coding according to its Accept-Encoding (RFC 9110,
+/// 12.5.3). Only codings listed by name count, not "*".
 bool accepts(std::string_view accept_encoding, std::string_view coding) {
   constexpr std::string_view kBlanks = " \t";
   for (const auto part : std::views::split(accept_encoding, ',')) {
@@ -59,10 +59,10 @@ bool is_file(const std::filesystem::path& path) {
   return std::filesystem::is_regular_file(path, ignored);
 }
 
-/// A file as it is sent.
+/// The variant of a file to send.
 struct SentFile {
   std::filesystem::path path;
-  std::string coding;  ///< empty: none
+  std::string coding;  ///< content coding; empty if none
 };
 
 SentFile choose(const std::filesystem::path& path, std::string_view accept_encoding) {
@@ -75,7 +75,7 @@ SentFile choose(const std::filesystem::path& path, std::string_view accept_encod
   return {path, {}};
 }
 
-/// Two builds may give a file of the same size, but not at the same nanosecond.
+/// Two builds may give a file the same size, but not the same nanosecond.
 std::string etag_of(const std::filesystem::path& path, std::uint64_t bytes) {
   std::error_code ignored;
   const auto time = std::filesystem::last_write_time(path, ignored).time_since_epoch().count();
@@ -106,7 +106,7 @@ ApiResponse static_file(const std::filesystem::path& folder, const ApiRequest& r
   }
   std::filesystem::path path = folder;
   for (const std::string& segment : request.path) {
-    // Segments are decoded one by one: a slash inside one is an attempt to leave the folder.
+    // Segments are decoded one by one, so a slash inside one is an attempt to leave the folder.
     const bool plain = !segment.empty() && segment.front() != '.' &&
                        segment.find_first_of(std::string("/\\\0", 3)) == std::string::npos;
     if (!plain) return not_found();
@@ -150,7 +150,7 @@ std::filesystem::path find_web_folder() {
     const auto folder = (program.parent_path() / beside).lexically_normal();
     if (has_viewer(folder)) return folder;
   }
-  // In the source tree the program is some levels below, in build/.
+  // In the source tree the program is some levels below it, in build/.
   for (auto folder = program.parent_path(); folder.has_relative_path();
        folder = folder.parent_path()) {
     if (has_viewer(folder / "web" / "dist")) return folder / "web" / "dist";

@@ -14,8 +14,8 @@ namespace kerf::net {
 /// bytes sent (from their time and size), so a client that has them gets 304.
 ApiResponse static_file(const std::filesystem::path& folder, const ApiRequest& request);
 
-/// Returns the default folder of the built viewer: beside the executable (web, ../share/kerf/web)
-/// or the source tree's web/dist. Empty if there is none.
+/// Returns the default folder of the built viewer: next to the executable (web, ../share/kerf/web)
+/// or web/dist of the source tree. Empty if there is none.
 std::filesystem::path find_web_folder();
 
 }  // namespace kerf::net

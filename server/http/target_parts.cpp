@@ -26,7 +26,7 @@ constexpr std::size_t kPartNameBytesMax = 64;
 constexpr const char* kFactsExtension = ".json";
 constexpr const char* kMeshExtension = ".mesh";
 
-/// A file name that is safe whatever the name of the part.
+/// Encodes the name of a part as a safe file name.
 std::string file_name_of(const std::string& name) {
   constexpr const char* kDigits = "0123456789abcdef";
   std::string file;
@@ -64,7 +64,7 @@ Json stored_facts(const TargetFacts& facts) {
           {"fault", facts.fault}};
 }
 
-/// Nothing if the text is damaged.
+/// Nullopt if the text is damaged.
 std::optional<TargetFacts> parse_facts(const std::string& text) {
   try {
     const Json json = Json::parse(text);
@@ -82,7 +82,7 @@ std::optional<TargetFacts> parse_facts(const std::string& text) {
   }
 }
 
-/// Nothing if the file is missing or damaged.
+/// Nullopt if the file is missing or damaged.
 std::optional<TargetFacts> read_facts(const fs::path& path) {
   const auto text = read_file(path);
   return text ? parse_facts(*text) : std::nullopt;
@@ -235,7 +235,7 @@ std::vector<TargetFacts> TargetParts::stored(const std::string& session) const {
 
 std::shared_ptr<const TargetPart> TargetParts::get(const std::string& session,
                                                    const std::string& name) {
-  // A call that waits here for another one finds the part in memory.
+  // A call that waits here then finds the part in memory.
   const std::lock_guard one(reading_);
   std::optional<TargetFacts> facts;
   std::optional<std::string> bytes;

@@ -23,19 +23,20 @@
 
 namespace kerf::net {
 
-/// What is known of a target part without its triangles.
+/// The properties of a target part, without its triangles.
 struct TargetFacts {
-  std::string name;  ///< the file name, by which it is addressed
-  std::string tag;   ///< equal for equal files in equal places, else different
+  std::string name;  ///< the file name, which identifies it
+  std::string tag;   ///< equal for the same file and placement, else different
   std::size_t triangles = 0;
   Vec3 min_mm, max_mm;  ///< bounds in scene coordinates
-  Vec3 shift_mm;        ///< added to the file's coordinates
-  double unit_mm = 1;   ///< of the file's numbers, before the shift
-  std::string author;   ///< grant by which it was stored; empty: none
-  std::string fault;    ///< why the mesh bounds no solid, so that signs are unreliable; else empty
+  Vec3 shift_mm;        ///< added to the file's coordinates, after scaling
+  double unit_mm = 1;   ///< mm per unit of the file
+  std::string author;   ///< grant that stored it; empty if none
+  std::string fault;    ///< why the mesh bounds no solid, so that signs are unreliable; empty if it
+                        ///< does
 };
 
-/// A part that blocks are compared with. Immutable.
+/// A part with which blocks are compared. Immutable.
 class TargetPart {
  public:
   TargetPart(TargetFacts facts, IndexedMesh mesh)
@@ -58,25 +59,26 @@ struct TargetError {
   std::string code, reason;
 };
 
-/// Why a caller may not change a part: it was stored by somebody else.
+/// Explains that a caller may not change a part that somebody else has stored.
 std::string others_target(const std::string& name);
 
-/// Keeps the target parts of sessions as files, each session's in a folder of its own, and the
-/// parts that were used last in memory too. A part of a name replaces the one before. Thread-safe;
-/// a call that reads a part may take seconds.
+/// Stores the target parts of sessions as files, in a folder for each session, and caches those
+/// used last in memory. A part replaces the one with the same name. Thread-safe. A call that reads
+/// a part may take seconds.
 class TargetParts {
  public:
   static constexpr std::size_t kPartsOfSession = 8;
-  /// About 150 bytes of memory each while a part is in use.
+  /// About 150 bytes of memory per triangle while a part is in use.
   static constexpr std::uint64_t kTrianglesMax = kModelTrianglesMax;
-  /// Of the parts that are kept in memory.
+  /// Limit for the parts cached in memory.
   static constexpr std::uint64_t kTrianglesKept = 2'000'000;
 
   explicit TargetParts(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// Reads and stores a mesh file, whose name tells the format. `as` has the name and the unit;
-  /// its placement counts only for its translation. A part of the same name is replaced if the
-  /// caller may change it: its own, or any as an owner. Ends soon after a stop is requested.
+  /// Reads and stores a mesh file. The extension of its name determines the format. `as` has the
+  /// name, the unit and the translation; the rest of its placement is ignored. A part with the same
+  /// name is replaced if the caller may change it: its own, or any as an owner. Stops soon after a
+  /// stop is requested.
   std::expected<TargetFacts, TargetError> put(const std::string& session, const MeshFile& as,
                                               const std::string& bytes, const Caller& caller,
                                               const std::stop_token& stop = {});
@@ -84,40 +86,40 @@ class TargetParts {
   std::vector<TargetFacts> list(const std::string& session) const;
   /// Null if the session has no such part, or its file can no longer be read.
   std::shared_ptr<const TargetPart> get(const std::string& session, const std::string& name);
-  /// The part on the rays of a session's block, which are `grid`; null likewise. Kept with the
-  /// part.
+  /// The part on the rays `grid` of a session's block, cached with the part; null as for get().
   std::shared_ptr<const PartModel> model(const std::string& session, const std::string& name,
                                          const DexelGrid& grid);
-  /// A part as bytes, from which unpack() makes it elsewhere; nullopt if there is none.
+  /// Packs a part into bytes for unpack() at another server; nullopt if there is no such part.
   std::optional<std::vector<std::byte>> pack(const std::string& session,
                                              const std::string& name) const;
-  /// False if the bytes are none, or cannot be stored. A part that is there already stays.
+  /// Stores a packed part unless it exists. Returns false if the bytes are malformed or cannot be
+  /// stored.
   bool unpack(const std::string& session, std::span<const std::byte> bytes);
-  /// What is known of a part; nullopt if the session has none of that name.
+  /// The properties of a part; nullopt if the session has none with this name.
   std::optional<TargetFacts> facts(const std::string& session, const std::string& name) const;
-  /// Returns whether the session had such a part.
+  /// Deletes a part. Returns whether it existed.
   bool remove(const std::string& session, const std::string& name);
   /// Deletes the parts of a session.
   void forget(const std::string& session);
 
  private:
-  /// A part of one session is never used for another, whatever its tag.
+  /// Belongs to one session: a part is never used for another, whatever its tag.
   struct Kept {
     std::string session;
     std::shared_ptr<const TargetPart> part;
-    std::shared_ptr<const PartModel> model = {};  ///< null until it is needed
+    std::shared_ptr<const PartModel> model = {};  ///< created on first use
   };
   std::filesystem::path facts_file(const std::string& session, const std::string& name) const;
-  // With the mutex locked:
+  // Call these with the mutex locked:
   bool store(const std::string& session, const TargetFacts& facts, const std::string& bytes) const;
   std::vector<TargetFacts> stored(const std::string& session) const;
   std::shared_ptr<const TargetPart> known(const std::string& session, const std::string& tag);
   void keep(const std::string& session, std::shared_ptr<const TargetPart> part);
 
   std::filesystem::path folder_;
-  std::mutex reading_;        ///< one part is read at a time
+  std::mutex reading_;        ///< held while a part is read
   mutable std::mutex mutex_;  ///< guards the files and kept_
-  std::list<Kept> kept_;      ///< used last first
+  std::list<Kept> kept_;      ///< most recently used first
 };
 
 }  // namespace kerf::net

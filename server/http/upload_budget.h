@@ -13,8 +13,8 @@
 
 namespace kerf::net {
 
-/// The memory granted to uploads, each from its header on until it has been handled. One client
-/// holds half of it at most, so that it cannot keep the others out. Thread-safe.
+/// Grants memory to uploads, each from its header until it has been handled. One client gets at
+/// most half of it and so cannot lock out other clients. Thread-safe.
 class UploadBudget {
   struct Held {
     std::mutex mutex;
@@ -24,7 +24,7 @@ class UploadBudget {
  public:
   enum class Error { kClientHasTooMuch, kNoneLeft };
 
-  /// Part of the budget; given back when it is destroyed.
+  /// A part of the budget, returned by its destructor.
   class Share {
    public:
     Share() = default;
@@ -54,8 +54,8 @@ class UploadBudget {
 
   explicit UploadBudget(std::size_t bytes) : client_bytes_(bytes / 2), memory_(bytes) {}
 
-  /// Takes a share for an upload of `bytes` bytes, or says why not. `client`: its network
-  /// (network_of).
+  /// Takes a share for an upload of `bytes` bytes, or returns the reason for rejecting it.
+  /// `client`: its network (network_of).
   std::expected<Share, Error> take(const std::string& client, std::size_t bytes) {
     const std::scoped_lock lock(held_->mutex);
     const auto found = held_->by_client.find(client);
@@ -66,7 +66,7 @@ class UploadBudget {
     held_->by_client[client] += bytes;
     return Share(*std::move(memory), held_, client);
   }
-  /// What one client may hold.
+  /// Maximum for one client.
   std::size_t client_bytes() const { return client_bytes_; }
 
  private:

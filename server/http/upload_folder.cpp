@@ -29,9 +29,9 @@ struct Upload {
 /// The files of one owner.
 struct Holding {
   fs::path folder;
-  std::vector<Upload> uploads;  ///< those that may be deleted, oldest last
-  std::size_t files = 0;        ///< these and the one that may not
-  std::uintmax_t bytes = 0;     ///< of all of them
+  std::vector<Upload> uploads;  ///< candidates for deletion, oldest last
+  std::size_t files = 0;        ///< number of files, including the one that must stay
+  std::uintmax_t bytes = 0;     ///< of all its files
 
   void remove_oldest() {
     std::error_code ignored;
@@ -42,7 +42,7 @@ struct Holding {
   }
 };
 
-/// What lies in a folder itself; nothing of a folder that has gone.
+/// Returns the direct entries of a folder; empty if it no longer exists.
 std::vector<fs::directory_entry> entries_of(const fs::path& folder) {
   std::vector<fs::directory_entry> entries;
   std::error_code error;
@@ -53,7 +53,7 @@ std::vector<fs::directory_entry> entries_of(const fs::path& folder) {
   return entries;
 }
 
-/// Each owner's files, and those in the folder itself, which older versions have stored.
+/// Returns each owner's files, and those in the folder itself, which older versions stored.
 std::vector<fs::directory_entry> files_in(const fs::path& folder) {
   std::vector<fs::directory_entry> files;
   std::error_code ignored;
@@ -68,7 +68,8 @@ std::vector<fs::directory_entry> files_in(const fs::path& folder) {
   return files;
 }
 
-/// Files that lie in the folder itself count as those of one owner. `stored` may not be deleted.
+/// Groups files by owner. Those in the folder itself count as one owner's. `stored` must not be
+/// deleted.
 std::vector<Holding> holdings_in(const fs::path& folder, const fs::path& stored) {
   std::map<fs::path, Holding> by_owner;
   for (const auto& entry : files_in(folder)) {

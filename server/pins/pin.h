@@ -15,14 +15,14 @@ struct Pin {
   std::uint32_t number = 0;  ///< from 1; unique in its session
   std::string text;
   Vec3 at_mm, normal;           ///< the normal is the unit vector out of the material
-  std::uint64_t record = 0;     ///< the last one when it was set
+  std::uint64_t record = 0;     ///< the last record when it was set
   std::int64_t created_ms = 0;  ///< when it was set; ms since 1970, UTC
-  std::string author;           ///< name of the person who set it; empty: unknown
-  std::string person;           ///< grant of that person; empty: none
+  std::string author;           ///< name of the person who set it; empty if unknown
+  std::string person;           ///< grant of that person; empty if none
 };
 
 inline constexpr std::size_t kPinTextBytesMax = 200;
-/// Pins of a session: each viewer gets all of them when one changes.
+/// Maximum number of pins in a session: each viewer gets all of them when one changes.
 inline constexpr std::size_t kPinsMax = 100;
 
 /// Converts a pin to its row in the table `pins` of the journal, and back. Coordinates are stored

@@ -17,18 +17,19 @@
 
 namespace kerf {
 
-/// The pins of one session. Executor only, as all matters.
+/// The pins of one session. Executor only, like all matters.
 class Pins final : public Matter {
  public:
   explicit Pins(MatterBlock& block) : block_(block) {}
   static std::unique_ptr<Matter> make(MatterBlock& block) { return std::make_unique<Pins>(block); }
 
-  /// Sets a pin. Its text is plain (is_plain_text), its normal of unit length. Returns it with its
-  /// number and record. Fails with `limit` at kPinsMax, and with `busy` while nothing is recorded.
+  /// Sets a pin. Its text must be plain (is_plain_text), its normal of unit length. Returns it with
+  /// its number and record. Fails with `limit` at kPinsMax, and with `busy` while nothing can be
+  /// recorded.
   std::expected<Pin, Error> set(Pin pin);
   /// Removes a pin. Fails with `unknown_pin` and `not_allowed`.
   std::expected<void, Error> remove(std::uint32_t number, const Caller& caller);
-  /// Whether the caller may remove a pin: one's own, or any as an owner.
+  /// Whether the caller may remove a pin: its own, or any as an owner.
   static bool may_remove(const Pin& pin, const Caller& caller);
   /// Returns the pins, by number.
   std::vector<Pin> list() const;

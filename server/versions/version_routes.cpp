@@ -28,7 +28,7 @@ Json version_json(const NamedVersion& version) {
           {"author", version.author}};
 }
 
-/// Returns nothing if a version may have the name.
+/// Returns a 400 for an invalid name of a version, else nullopt.
 std::optional<ApiResponse> name_failure(const std::string* name) {
   if (name != nullptr && is_point_name(*name) && *name != kLive &&
       std::holds_alternative<std::string>(*parse_point(*name))) {

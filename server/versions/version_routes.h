@@ -7,7 +7,7 @@
 
 namespace kerf::net {
 
-/// Returns the routes that list, make, rename and delete named versions.
+/// Returns the routes that list, create, rename and delete named versions.
 std::span<const Route> version_routes();
 
 }  // namespace kerf::net

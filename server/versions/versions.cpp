@@ -73,7 +73,7 @@ std::expected<NamedVersion, Error> Versions::rename(const std::string& name, con
   }
   NamedVersion renamed = found->second;
   renamed.name = to;
-  // One change, so one transaction: a crash leaves the old name or the new one.
+  // A single change is one transaction: after a crash either the old or the new name exists.
   block_.record({.table = table(), .removed = name, .stored = to_row(renamed)});
   versions_.erase(found);
   versions_.emplace(to, renamed);

@@ -17,7 +17,7 @@
 
 namespace kerf {
 
-/// The named versions of one session. Executor only, as all matters.
+/// The named versions of one session. Executor only, like all matters.
 class Versions final : public Matter {
  public:
   explicit Versions(MatterBlock& block) : block_(block) {}
@@ -25,12 +25,12 @@ class Versions final : public Matter {
     return std::make_unique<Versions>(block);
   }
 
-  /// Names a version. Its name is valid (is_point_name). Fails with `no_record`, `version_exists`,
-  /// `limit` at kVersionsMax, and `busy` while nothing is recorded.
+  /// Adds a version. Its name must be valid (is_point_name). Fails with `no_record`,
+  /// `version_exists`, with `limit` at kVersionsMax, and with `busy` while nothing can be recorded.
   std::expected<void, Error> name(NamedVersion version);
-  /// Whether the caller may rename and delete a version: one's own, or any as an owner.
+  /// Whether the caller may rename and delete a version: its own, or any as an owner.
   static bool may_change(const NamedVersion& version, const Caller& caller);
-  /// Gives a version another valid name and changes nothing else of it. Returns it with that name.
+  /// Renames a version to another valid name and changes nothing else. Returns the renamed version.
   /// Fails with `unknown_version`, `not_allowed`, `version_exists` and `busy`.
   std::expected<NamedVersion, Error> rename(const std::string& name, const std::string& to,
                                             const Caller& caller);
