@@ -126,7 +126,7 @@ std::expected<void, JournalError> remove_attachments(const std::filesystem::path
   const auto exists = database->has_table("attachments");
   if (!exists) return std::unexpected(to_journal_error(journal, exists.error()));
   if (!*exists) return {};
-  // VACUUM leaves out the pages that are free now, and with them what they held.
+  // VACUUM drops the freed pages and with them their old contents.
   auto done = database->execute("DROP TABLE attachments; VACUUM");
   if (!done) return std::unexpected(to_journal_error(journal, done.error()));
   return {};

@@ -16,38 +16,39 @@
 
 namespace kerf {
 
-/// What belongs to a session and is no record of it, as its rights: the server that continues the
-/// session needs it. The kind says who reads the bytes.
+/// Data of a session that is not a record, e.g. its rights. The server that continues the session
+/// needs it. `kind` identifies the reader of the bytes.
 struct Attachment {
-  std::string kind, name;  ///< together they name it in its session
+  std::string kind, name;  ///< name of the attachment within its session
   std::vector<std::byte> bytes;
 };
 
-/// An attachment that is stored, instead of the one of that name, or removed.
+/// Stores an attachment, replacing the one with the same name, or removes it.
 struct AttachmentChange {
-  std::string kind;  ///< empty: all attachments are removed
+  std::string kind;  ///< if empty, all attachments are removed
   std::string name;
-  std::optional<std::vector<std::byte>> bytes = {};  ///< nothing: it is removed
+  std::optional<std::vector<std::byte>> bytes = {};  ///< nullopt to remove it
 };
 
-/// Creates the tables unless they are there.
+/// Creates the tables unless they exist.
 SqlResult<void> create_attachment_table(SqlDatabase& database);
-/// The greatest number of a row; 0: there is none.
+/// The greatest row number; 0 if there is no row.
 SqlResult<std::int64_t> last_attachment(SqlDatabase& database);
-/// `number` is that of the new row, greater than that of any before.
+/// `number`: number of the new row, greater than all earlier ones.
 SqlResult<void> store_attachment(SqlDatabase& database, const AttachmentChange& change,
                                  std::int64_t number);
 
-/// The attachments of a journal in the order in which they were stored, as committed; one whose row
-/// is damaged is left out. None if there is no table.
+/// Returns the committed attachments of a journal in the order in which they were stored, leaving
+/// out damaged rows. Empty if there is no table.
 std::expected<std::vector<Attachment>, JournalError> read_attachments(
     const std::filesystem::path& journal);
-/// The number of attachments whose rows are damaged.
+/// Counts the attachments with damaged rows.
 SqlResult<std::int64_t> damaged_attachments(SqlDatabase& database);
-/// The lines of the programs' newest motions in a journal, by participant, as committed.
+/// Returns the line of each program's newest committed motion, by participant.
 std::expected<std::map<ParticipantId, std::uint32_t>, JournalError> read_program_lines(
     const std::filesystem::path& journal);
-/// Removes all attachments, and what of them the file may still hold. Nobody else may have it open.
+/// Removes all attachments, including leftovers of their contents in the file. Nobody else may have
+/// the file open.
 std::expected<void, JournalError> remove_attachments(const std::filesystem::path& journal);
 
 }  // namespace kerf

@@ -6,7 +6,7 @@
 namespace kerf {
 namespace {
 
-/// False for numbers that no writer stores; their sums could overflow.
+/// Rejects numbers that no writer stores, whose sums could overflow.
 bool is_valid(const BatchHead& head) {
   return head.count >= 1 && head.count <= kBatchRecordsMax && head.wall_ms >= -kWallMaxMs &&
          head.wall_ms <= kWallMaxMs && head.span_ms >= 0 && head.span_ms <= kSpanMaxMs;

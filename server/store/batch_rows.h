@@ -13,34 +13,33 @@
 
 namespace kerf {
 
-/// A row of the table `batches`; `bytes` are the caller's.
+/// A row of the table `batches`. The caller owns `bytes`.
 struct BatchRow {
   BatchHead head;
   std::int64_t crc = 0;
   std::span<const std::byte> bytes = {};
 };
 
-/// Why a row was rejected, in a sentence, and the first record that is bad.
+/// Why a row was rejected, as one sentence, and its first bad record.
 struct BadBatch {
   std::uint64_t sequence = 0;
   std::string reason;
 };
 
-/// Verifies a row, which must begin after record `last`, without decoding it.
+/// Verifies a row, which must begin after record `last`. Does not decode it.
 std::expected<void, BadBatch> verify_row(const BatchRow& row, std::uint64_t last);
 
-/// Verifies the rows of `batches`, one after the other, and decodes their records. Knows nothing of
-/// where they are stored.
+/// Verifies successive rows of `batches` and decodes their records, independent of their storage.
 class BatchRows {
  public:
-  /// Returns the records of a row, which must begin after record `last`. The first row must be one
-  /// that can be decoded without those before; a record of a stroke that began before it has
-  /// stroke 0.
+  /// Returns the records of a row, which must begin after record `last`. The first row must be
+  /// decodable without its predecessors. A record of a stroke that began before that row has stroke
+  /// 0.
   std::expected<std::vector<JournalRecord>, BadBatch> read(const BatchRow& row, std::uint64_t last);
 
  private:
   BatchDecoder decoder_;
-  std::map<ParticipantId, std::uint64_t> strokes_;  ///< that each participant has begun last
+  std::map<ParticipantId, std::uint64_t> strokes_;  ///< the newest stroke of each participant
 };
 
 }  // namespace kerf

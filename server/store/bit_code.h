@@ -10,8 +10,8 @@
 
 namespace kerf {
 
-/// How large the numbers of one kind are: the parameter of their Golomb-Rice code, learned from the
-/// numbers before as in JPEG-LS (ITU-T T.87, A.5). Encoder and decoder keep equal ones.
+/// The magnitude of one kind of number: the parameter of its Golomb-Rice code, adapted to the
+/// previous numbers as in JPEG-LS (ITU-T T.87, A.5). Encoder and decoder stay in step.
 class NumberSize {
  public:
   unsigned low_bits() const {
@@ -32,7 +32,7 @@ class NumberSize {
   std::uint64_t sum_ = 64, count_ = 1;
 };
 
-/// Numbers whose quotient is this large are written with their length instead.
+/// Numbers with a quotient of at least kQuotientMax are written with an explicit length.
 inline constexpr unsigned kQuotientMax = 20;
 inline constexpr unsigned kLengthBits = 6;
 
@@ -67,7 +67,7 @@ class BitWriter {
   unsigned used_ = 0;
 };
 
-/// Reads what a BitWriter has written. Beyond the end it reads zeros and has failed.
+/// Reads the output of a BitWriter. Past the end it reads zeros and has failed.
 class BitReader {
  public:
   explicit BitReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -90,7 +90,7 @@ class BitReader {
     return value;
   }
   bool failed() const { return at_ > 8 * bytes_.size(); }
-  /// Bits of the last byte may be left.
+  /// The last byte may have unused bits.
   bool at_end() const { return (at_ + 7) / 8 == bytes_.size(); }
 
  private:

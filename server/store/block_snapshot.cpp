@@ -18,7 +18,7 @@
 namespace kerf {
 namespace {
 
-/// A chunk of tiles ends with the tile that makes it this long.
+/// Size at which a chunk of tiles is closed after the current tile.
 constexpr std::size_t kTileChunkBytes = std::size_t{1} << 20;
 constexpr std::uint32_t kCountMax = 1U << 20;  ///< of tools, poses and users
 
@@ -60,14 +60,14 @@ std::vector<std::byte> encode_head(const SnapshotHead& head, const SculptureStat
   return out.take();
 }
 
-/// Reads the tools, poses and users; false if they are malformed.
+/// Reads the tools, poses and users. Returns false if they are malformed.
 bool decode_users(ByteReader& in, SculptureState& state) {
   const auto tools = in.get<std::uint32_t>();
   for (std::uint32_t n = 0; n < tools && !in.truncated(); ++n) {
     const auto command = decode_command(get_text(in));
     const auto* define = command ? std::get_if<DefineTool>(&*command) : nullptr;
     if (define == nullptr) return false;
-    // As Sculpture::apply does.
+    // Same construction as in Sculpture::apply.
     auto tool = make_tool(define->tool.pieces, define->tool.non_cutting);
     if (!tool) return false;
     state.tools[define->id] = *std::move(tool);
@@ -86,7 +86,7 @@ bool decode_users(ByteReader& in, SculptureState& state) {
          in.at_end();
 }
 
-/// Reads the part of the head that describes the block; the rest is left in `in`.
+/// Reads the part of the head that describes the block and leaves the rest in `in`.
 SnapshotHead decode_head(ByteReader& in, SculptureState& state, std::uint32_t& fields) {
   SnapshotHead head;
   head.kernel_version = static_cast<std::int64_t>(in.get<std::uint64_t>());
@@ -131,8 +131,8 @@ void write_tiles(ChunkWriter& out, const SolidSnapshot& solid) {
   out.write(end.take());
 }
 
-/// Puts the tiles of one chunk into the directories of the fields; how many, nullopt if one is
-/// malformed.
+/// Puts the tiles of one chunk into the directories of the fields. Returns their number, nullopt if
+/// one is malformed.
 std::optional<std::uint64_t> read_tiles(std::span<const std::byte> chunk,
                                         std::span<const DexelField* const> fields,
                                         std::vector<TileDirectory>& directories) {
@@ -165,7 +165,7 @@ std::expected<SolidSnapshot, SnapshotError> read_solid(ChunkReader& in, const Sc
   for (;;) {
     const auto chunk = in.next();
     if (!chunk) return damaged(chunk.error());
-    if (chunk->size() == sizeof(std::uint64_t)) {  // the last one
+    if (chunk->size() == sizeof(std::uint64_t)) {  // last chunk
       if (ByteReader(*chunk).get<std::uint64_t>() != tiles) return damaged("tiles are missing");
       break;
     }
@@ -177,7 +177,7 @@ std::expected<SolidSnapshot, SnapshotError> read_solid(ChunkReader& in, const Sc
   SolidSnapshot solid;
   for (std::size_t n = 0; n < fields.size(); ++n) {
     const DexelGrid& grid = fields[n]->grid();
-    // The block that is restored from this knows its untouched tiles.
+    // Untouched tiles are not stored: the restored block knows them.
     solid.fields.emplace_back(grid, fields[n]->stock(), fields[n]->shares(),
                               std::move(directories[n]),
                               TileDirectory(grid.tiles_x(), grid.tiles_y()));
@@ -185,7 +185,7 @@ std::expected<SolidSnapshot, SnapshotError> read_solid(ChunkReader& in, const Sc
   return solid;
 }
 
-/// The chunk with the head, valid until the next one is read.
+/// Returns the chunk with the head, valid until the next one is read.
 std::expected<std::span<const std::byte>, SnapshotError> first_chunk(
     const std::filesystem::path& file, ChunkReader& in) {
   std::error_code ignored;
@@ -197,7 +197,7 @@ std::expected<std::span<const std::byte>, SnapshotError> first_chunk(
   return *chunk;
 }
 
-/// Reads the rest of a snapshot, whose first chunk is given.
+/// Reads the rest of a snapshot after its first chunk.
 std::expected<BlockSnapshot, SnapshotError> read_block(std::span<const std::byte> first,
                                                        ChunkReader& in, const Sculpture& like,
                                                        bool of_any_kernel) {

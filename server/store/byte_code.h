@@ -37,7 +37,7 @@ class ByteWriter {
   void put(std::span<const std::byte> bytes) {
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   }
-  /// Its length and its bytes.
+  /// Writes the length, then the bytes.
   void put_text(std::string_view text) {
     put(static_cast<std::uint32_t>(text.size()));
     put(std::as_bytes(std::span(text)));
@@ -49,7 +49,7 @@ class ByteWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads what a ByteWriter has written. Beyond the end it reads zeros and is truncated.
+/// Reads the output of a ByteWriter. Past the end it reads zeros and is truncated.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -83,7 +83,7 @@ class ByteReader {
     const auto bytes = get_bytes(get<std::uint32_t>());
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
-  /// The next bytes; empty if there are not as many.
+  /// Returns the next bytes; empty if fewer are left.
   std::span<const std::byte> get_bytes(std::size_t count) {
     if (bytes_.size() < count) {
       bytes_ = {};

@@ -20,9 +20,9 @@ namespace {
 constexpr std::array<char, 8> kMagic = {'K', 'E', 'R', 'F', 'S', 'N', 'A', 'P'};
 constexpr std::size_t kBeginBytes = kMagic.size() + sizeof(std::uint32_t);
 constexpr std::size_t kChunkHeadBytes = 3 * sizeof(std::uint32_t);
-constexpr mode_t kMode = 0600;  // the block is for those who may watch its session
+constexpr mode_t kMode = 0600;  // only those who may watch the session may see the block
 
-/// Of a chunk at its place.
+/// The checksum includes the number of the chunk and so detects reordering.
 std::uint32_t chunk_checksum(std::uint64_t number, std::uint32_t size,
                              std::span<const std::byte> packed) {
   ByteWriter head;
@@ -31,7 +31,7 @@ std::uint32_t chunk_checksum(std::uint64_t number, std::uint32_t size,
   return crc32(packed, crc32(head.take()));
 }
 
-/// Makes the renaming of a file durable.
+/// Makes a rename durable.
 void sync_folder(const std::filesystem::path& folder) {
   const int descriptor = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return;
@@ -97,7 +97,7 @@ void ChunkWriter::write(std::span<const std::byte> chunk) {
 std::expected<std::uint64_t, std::string> ChunkWriter::finish(
     const std::filesystem::path& keep_as) {
   if (error_.empty() && fsync(descriptor_) != 0) fail("cannot be synchronized");
-  // There may be none. Where it cannot be kept it is replaced.
+  // There may be no old file. If it cannot be kept, it is replaced.
   if (error_.empty() && !keep_as.empty()) (void)rename(file_.c_str(), keep_as.c_str());
   if (error_.empty() && rename(temporary_.c_str(), file_.c_str()) != 0) fail("cannot be renamed");
   if (!error_.empty()) return std::unexpected(error_);

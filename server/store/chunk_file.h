@@ -15,30 +15,29 @@
 
 namespace kerf {
 
-/// Longest chunk before it is compressed; readers reserve no more memory than that for a file that
-/// states more. A snapshot's chunk of tiles is at most 1 MB and one tile, whose 1024 columns may
-/// have 4,000 elements of 16 bytes each; its head may have 500,000 poses of tools and users.
+/// Maximum size of a chunk before compression. Readers allocate no more than this, whatever a file
+/// states. A snapshot's chunk of tiles has at most 1 MB plus one tile, whose 1024 columns may have
+/// 4,000 elements of 16 bytes each. Its head may have 500,000 poses of tools and users.
 inline constexpr std::size_t kChunkBytesMax = std::size_t{64} << 20;
 
-/// The file that a ChunkWriter of `file` writes until it has finished; a process that is killed
-/// leaves it.
+/// The temporary file of a ChunkWriter for `file`. A killed process leaves it behind.
 std::filesystem::path unfinished_file(const std::filesystem::path& file);
 
-/// Writes a file of compressed chunks with checksums (README.md, "Snapshots"), in place of the one
-/// of that name: the present one stays until finish() has succeeded.
+/// Writes a file of compressed chunks with checksums (README.md, "Snapshots"). An existing file of
+/// that name is only replaced when finish() succeeds.
 class ChunkWriter {
  public:
   ChunkWriter(std::filesystem::path file, std::uint32_t version);
   ChunkWriter(const ChunkWriter&) = delete;
   ChunkWriter& operator=(const ChunkWriter&) = delete;
-  /// Removes what has not been finished.
+  /// Removes the file unless it was finished.
   ~ChunkWriter();
 
-  /// Appends a chunk of 1 byte to kChunkBytesMax; a longer one is an error. After an error it does
-  /// nothing.
+  /// Appends a chunk of 1 byte to kChunkBytesMax; a longer one is an error. No effect after an
+  /// error.
   void write(std::span<const std::byte> chunk);
-  /// Synchronizes the file with the disk and renames it; the present one gets the name `keep_as`,
-  /// unless that is empty. Returns its size, or what failed, as one sentence.
+  /// Synchronizes the file with the disk and renames it. Unless `keep_as` is empty, the old file is
+  /// renamed to it. Returns the size. The error is one sentence.
   std::expected<std::uint64_t, std::string> finish(const std::filesystem::path& keep_as = {});
 
  private:
@@ -56,7 +55,7 @@ class ChunkWriter {
 class ChunkReader {
  public:
   ChunkReader(const std::filesystem::path& file, std::uint32_t version);
-  /// Reads the contents of such a file.
+  /// Reads such a file from memory.
   ChunkReader(std::string contents, std::uint32_t version);
   /// Returns the next chunk, valid until the next call. The error is one sentence: the file is of
   /// another kind or version, damaged, or at its end.

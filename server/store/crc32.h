@@ -23,8 +23,8 @@ constexpr std::array<std::uint32_t, 256> make_table() {
 inline constexpr std::array<std::uint32_t, 256> kTable = make_table();
 }  // namespace crc32_detail
 
-/// Computes the CRC-32 of IEEE 802.3, as zlib does. `seed` is the CRC of the preceding bytes; 0 at
-/// the start.
+/// Computes the CRC-32 of IEEE 802.3, like zlib. `seed`: the CRC of the preceding bytes, 0 at the
+/// start.
 constexpr std::uint32_t crc32(std::span<const std::byte> bytes, std::uint32_t seed = 0) {
   std::uint32_t value = ~seed;
   for (const std::byte byte : bytes) {

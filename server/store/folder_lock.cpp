@@ -14,7 +14,7 @@
 namespace kerf {
 namespace {
 
-/// The process that the lock file names; empty if it names none yet.
+/// Returns the process named in the lock file; empty if there is none yet.
 std::string holder(int file) {
   std::array<char, 16> text{};
   const ssize_t size = pread(file, text.data(), text.size(), 0);
@@ -22,7 +22,7 @@ std::string holder(int file) {
   return name.substr(0, name.find('\n'));
 }
 
-/// Why the process cannot create files in the folder; empty if it can.
+/// Returns why the process cannot create files in the folder; empty if it can.
 std::string write_error(const std::filesystem::path& folder) {
   if (faccessat(AT_FDCWD, folder.c_str(), R_OK | W_OK | X_OK, AT_EACCESS) == 0) return {};
   const std::string reason = std::strerror(errno);
@@ -53,8 +53,8 @@ std::expected<FolderLock, std::string> FolderLock::take(const std::filesystem::p
         "the data folder " + folder.string() + " is in use by another kerf-server" +
         (process.empty() ? "" : ", process " + process) + ": stop it or use another --data");
   }
-  // Only the error text of a second server needs the number: a full disk does not prevent the
-  // start.
+  // The number is only used in the error of a second server, so failing to write it, e.g. on a full
+  // disk, does not prevent the start.
   const std::string text = std::to_string(getpid()) + "\n";
   if (ftruncate(lock.file_, 0) == 0) (void)!pwrite(lock.file_, text.data(), text.size(), 0);
   return lock;

@@ -9,16 +9,16 @@
 
 namespace kerf {
 
-/// A salvaged journal begins with a block that tools have cut already: its file of this name, which
-/// ends with the number of the record before its first one, is a snapshot of that block.
+/// Name of the file in a salvaged journal that holds the block it begins with, as a snapshot. The
+/// number of the record before the journal's first one is appended.
 inline constexpr const char* kBaseName = "kerf-base-";
 
 std::string base_name(std::uint64_t record);
-/// The number of the record before the first one of a journal with these files (JournalHeader);
-/// 0: it begins with the untouched stock, as all others do.
+/// Returns the number of the record before the first one of a journal with these files
+/// (JournalHeader). 0 if it begins with untouched stock, like every journal that is not salvaged.
 std::uint64_t base_record(const std::map<std::string, std::string>& files);
 SqlResult<std::uint64_t> base_record(SqlDatabase& database);
-/// The snapshot with which the journal begins; null if there is none.
+/// Returns the snapshot with which the journal begins; null if there is none.
 const std::string* base_of(const std::map<std::string, std::string>& files);
 
 }  // namespace kerf

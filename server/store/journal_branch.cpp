@@ -45,7 +45,7 @@ SqlResult<void> store_parent(SqlDatabase& database, const JournalParent& parent)
   return {};
 }
 
-/// Copies everything that is whole rows: all but the batch that holds records of both sides.
+/// Copies all whole rows, i.e. everything but the batch with records before and after the branch.
 SqlResult<void> copy_tables(SqlDatabase& from, SqlDatabase& to, std::uint64_t last) {
   const std::string up_to_last = "<=" + std::to_string(last);
   const std::pair<const char*, std::string> tables[] = {
@@ -67,7 +67,7 @@ SqlResult<void> copy_tables(SqlDatabase& from, SqlDatabase& to, std::uint64_t la
   return {};
 }
 
-/// The records of `from` after the last whole batch of `to`, up to `last`, as one batch.
+/// Writes the records of `from` after the last whole batch of `to`, up to `last`, as one batch.
 std::expected<void, JournalError> copy_rest(const std::filesystem::path& file, SqlDatabase& from,
                                             SqlDatabase& to, std::uint64_t last) {
   const auto failed = [&](const SqlError& error) {
@@ -118,9 +118,9 @@ std::expected<void, JournalError> fill(const std::filesystem::path& from, SqlDat
     if (result) return {};
     return std::unexpected(to_journal_error(from, result.error()));
   };
-  // One transaction for all reads, and one for all that is written.
+  // One read transaction for all reads, one write transaction for all writes.
   if (auto ok = done(source->execute("BEGIN")); !ok) return ok;
-  // The versions of the kernel that computed the hashes come with the rows.
+  // The copied rows bring the versions of the kernel that computed the hashes.
   if (auto ok = done(to.execute("BEGIN;DELETE FROM kernel_versions")); !ok) return ok;
   if (auto ok = done(store_parent(to, parent)); !ok) return ok;
   if (auto ok = done(copy_tables(*source, to, parent.record)); !ok) return ok;
@@ -148,11 +148,11 @@ std::expected<void, JournalError> branch_journal(const std::filesystem::path& fr
   JournalHeader header = reader->header();
   header.session = session;
   const std::filesystem::path copy = unfinished_file(to);
-  remove_journal(copy);  // which a crash may have left
+  remove_journal(copy);  // possibly left by a crash
   auto database = create_journal(copy, header, CreateMode::kCopy);
   if (!database) return std::unexpected(database.error());
   auto filled = fill(from, *database, parent);
-  database = std::unexpected(JournalError{});  // closes it
+  database = std::unexpected(JournalError{});  // close it
   if (filled) filled = rename_branch(copy, to);
   if (!filled) remove_journal(copy);
   return filled;

@@ -11,30 +11,30 @@
 
 namespace kerf {
 
-/// The session from a point of which another one began.
+/// The parent of a branched session.
 struct JournalParent {
-  std::string session;           ///< empty: it began with a scene
-  std::uint64_t record = 0;      ///< the last one that both have
-  std::uint32_t epoch = 0;       ///< of the parent then
+  std::string session;           ///< empty if the session began with a scene
+  std::uint64_t record = 0;      ///< last record in common
+  std::uint32_t epoch = 0;       ///< epoch of the parent at that time
   std::int64_t branched_ms = 0;  ///< ms since 1970, UTC
 };
 
-/// Creates the journal of a session that begins as a copy of another one up to a record: with its
-/// scene, its records, so that the strokes in them stay, its participants and the lists up to it,
-/// but without the tokens of its agents. Reads the other journal beside its writer, in one pass.
-/// The record must be committed. Takes the space of the copy once; `to` is there when all of it is
-/// on the disk, and a process that is killed leaves a file of another name, is_unfinished_branch().
-/// Fails with kExists if `to` exists; what it has written is deleted after an error.
+/// Creates the journal of a branch: a copy of another journal up to a committed record, with the
+/// scene, the records with their strokes, the participants and the lists up to that record, but
+/// without the tokens of agents. Reads the other journal in one pass, in parallel with its writer.
+/// Needs the space of one copy. `to` appears only once it is complete on the disk. A killed process
+/// leaves a file with a temporary name, see is_unfinished_branch(). Fails with kExists if `to`
+/// exists. Deletes its output after an error.
 std::expected<void, JournalError> branch_journal(const std::filesystem::path& from,
                                                  const std::filesystem::path& to,
                                                  const std::string& session,
                                                  const JournalParent& parent);
 
-/// Whether a file is what branch_journal() writes before it is done. The next one to the same file
+/// Whether a file is an unfinished output of branch_journal(). The next branch to the same file
 /// replaces it.
 bool is_unfinished_branch(const std::filesystem::path& file);
 
-/// Reads the parent that a journal states. A row that is damaged counts as none.
+/// Reads the parent of a journal. A damaged row counts as no parent.
 SqlResult<JournalParent> read_parent(SqlDatabase& database);
 
 }  // namespace kerf

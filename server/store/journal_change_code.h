@@ -5,11 +5,11 @@
 
 namespace kerf {
 
-/// What a change does to a table; part of the format of changes.
+/// The effect of a change on a table; part of the format of changes.
 enum class RowChange : std::uint8_t {
-  kPut = 1,     ///< all columns of a row follow, which replaces the one of its key
-  kRemove = 2,  ///< the key of a row follows
-  kClear = 3    ///< all rows go; the table is created if it is missing
+  kPut = 1,     ///< followed by all columns of a row, which replaces the one with its key
+  kRemove = 2,  ///< followed by the key of a row
+  kClear = 3    ///< removes all rows; creates the table if it is missing
 };
 
 }  // namespace kerf

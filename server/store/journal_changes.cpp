@@ -33,7 +33,7 @@ Rows begin_row(const JournalTable& table, RowChange change) {
   return {std::byte{table.number}, static_cast<std::byte>(change)};
 }
 
-/// The present row of a query over all columns of a table, as one that is put.
+/// Encodes the current row of a query over all columns of a table as a kPut.
 Rows encode_row(const JournalTable& table, const SqlStatement& row) {
   ByteWriter out;
   out.put(table.number);
@@ -50,7 +50,7 @@ std::string key_of(const JournalTable& table, const SqlStatement& row) {
   return name + (table.columns[0] == 'i' ? std::to_string(row.integer(0)) : row.text(0));
 }
 
-/// Removes the row of a key that key_of() has returned.
+/// Encodes the removal of the row with a key from key_of().
 Rows removal(const JournalTable& table, const std::string& key) {
   Rows rows = begin_row(table, RowChange::kRemove);
   ByteWriter out;
@@ -64,7 +64,7 @@ Rows removal(const JournalTable& table, const std::string& key) {
   return rows;
 }
 
-/// Calls `take` with each row of a query; it returns false to end.
+/// Calls `take` with each row of a query until it returns false.
 template <typename Take>
 SqlResult<void> for_each(SqlDatabase& database, const std::string& query, Take take) {
   auto rows = database.prepare(query);
@@ -82,7 +82,7 @@ SqlResult<void> read_origin(SqlDatabase& database, Rows& rows) {
     const auto exists = database.has_table(table.name);
     if (!exists) return std::unexpected(exists.error());
     if (!*exists) continue;
-    append(rows, begin_row(table, RowChange::kClear));  // creates it, if it is empty too
+    append(rows, begin_row(table, RowChange::kClear));  // creates the table even if it has no rows
     const auto read = for_each(database, "SELECT * FROM " + std::string(table.name),
                                [&](const SqlStatement& row) {
                                  append(rows, encode_row(table, row));
@@ -99,7 +99,7 @@ SqlResult<std::uint32_t> checksum_of_scene(SqlDatabase& database) {
   return static_cast<std::uint32_t>(*crc);
 }
 
-/// The checksum of the row whose last record this is; 0: there is none.
+/// Returns the checksum of the row that ends with this record; 0 if there is none.
 SqlResult<std::uint32_t> checksum_of_record(SqlDatabase& database, std::uint64_t record) {
   const std::string last = std::to_string(record);
   std::uint32_t crc = 0;
@@ -107,7 +107,7 @@ SqlResult<std::uint32_t> checksum_of_record(SqlDatabase& database, std::uint64_t
     crc = static_cast<std::uint32_t>(row.integer(0));
     return false;
   };
-  // By the key: a batch has at most 65,536 records.
+  // Search by the key: a batch has at most 65,536 records.
   auto read = for_each(database,
                        "SELECT crc FROM batches WHERE first<=" + last +
                            " AND first+count-1=" + last + " ORDER BY first DESC LIMIT 1",
@@ -129,7 +129,8 @@ const JournalTable& table_named(std::string_view name) {
   std::unreachable();
 }
 
-/// Adds the batches after `after.record`, and moves it. Stops after kChangeBytes; false: then.
+/// Adds the batches after `after.record` and advances it. Returns false if it stopped at
+/// kChangeBytes.
 SqlResult<bool> read_batches(SqlDatabase& database, CopyPosition& after, Rows& rows) {
   static const JournalTable& table = table_named("batches");
   bool is_last = true;
@@ -149,7 +150,7 @@ SqlResult<bool> read_batches(SqlDatabase& database, CopyPosition& after, Rows& r
   return is_last;
 }
 
-/// Adds the state hashes from record `from` on, as far as the copy has their records.
+/// Adds the state hashes from record `from` on for which the copy has the records.
 SqlResult<void> read_hashes(SqlDatabase& database, std::uint64_t from, CopyPosition& after,
                             Rows& rows) {
   static const JournalTable& table = table_named("state_hashes");
@@ -163,7 +164,7 @@ SqlResult<void> read_hashes(SqlDatabase& database, std::uint64_t from, CopyPosit
                   });
 }
 
-/// Adds what has changed in the small tables since `sent`, which becomes what they are now.
+/// Adds the changes of the small tables since `sent` and updates `sent`.
 SqlResult<void> read_small(SqlDatabase& database, bool all, std::map<std::string, Rows>& sent,
                            Rows& rows) {
   std::map<std::string, Rows> now;
@@ -193,8 +194,8 @@ SqlResult<void> read_small(SqlDatabase& database, bool all, std::map<std::string
   return {};
 }
 
-/// Adds what has come to a table of fixed rows, and gone from it, since `sent`. Stops after
-/// kChangeBytes; false: then.
+/// Adds the new and removed rows of a table of fixed rows since `sent`. Returns false if it stopped
+/// at kChangeBytes.
 SqlResult<bool> read_fixed(SqlDatabase& database, const JournalTable& table,
                            std::set<std::int64_t>& sent, Rows& rows) {
   const std::string name(table.name), key(table.key);
@@ -202,7 +203,7 @@ SqlResult<bool> read_fixed(SqlDatabase& database, const JournalTable& table,
   if (!count) return std::unexpected(count.error());
   const auto last = database.integer("SELECT coalesce(max(" + key + "),0) FROM " + name);
   if (!last) return std::unexpected(last.error());
-  // A row that comes has a greater number than any before.
+  // A new row has a greater number than all earlier ones.
   const bool is_same = static_cast<std::size_t>(*count) == sent.size() &&
                        *last == (sent.empty() ? 0 : *sent.rbegin());
   if (is_same) return true;
@@ -233,7 +234,7 @@ SqlResult<bool> read_fixed(SqlDatabase& database, const JournalTable& table,
   return true;
 }
 
-/// The same for all such tables.
+/// As above, for all such tables.
 SqlResult<bool> read_all_fixed(SqlDatabase& database, bool all,
                                std::map<std::uint8_t, std::set<std::int64_t>>& sent, Rows& rows) {
   bool is_last = true;
@@ -305,7 +306,7 @@ std::expected<std::optional<JournalChange>, JournalError> JournalChanges::read(
   const auto failed = [&](const SqlError& error) {
     return std::unexpected(to_journal_error(file_, error));
   };
-  // One transaction: all that is read is of one moment.
+  // Read in one transaction to get a consistent state.
   if (auto ok = database.execute("BEGIN"); !ok) return failed(ok.error());
   JournalChange change;
   change.before = change.after = position_;
@@ -329,10 +330,10 @@ std::expected<std::optional<JournalChange>, JournalError> JournalChanges::read(
   const auto is_last = read_batches(database, change.after, rows);
   if (!is_last) return failed(is_last.error());
   change.is_whole = *is_last;
-  // The newest hash may have been replaced by one of another kernel when the journal was opened.
+  // When the journal was opened, a hash of another kernel may have replaced the newest one.
   const std::uint64_t from = position_.hash_after + (is_first_ ? 0 : 1);
   if (auto ok = read_hashes(database, from, change.after, rows); !ok) return failed(ok.error());
-  // Of the last commit: they would be ahead of records that are still to come.
+  // Send these only with a whole change: they may refer to records still to come.
   if (change.is_whole) {
     if (auto ok = read_small(database, is_first_, sent_, rows); !ok) return failed(ok.error());
     const auto is_all = read_all_fixed(database, is_first_, fixed_, rows);

@@ -14,7 +14,7 @@
 namespace kerf {
 namespace {
 
-/// One row, as a change has it.
+/// One decoded row of a change.
 struct RowCode {
   const JournalTable* table = nullptr;
   RowChange change = RowChange::kPut;
@@ -22,7 +22,7 @@ struct RowCode {
   std::vector<std::span<const std::byte>> bytes;  ///< by column
 };
 
-/// Reads the next row; nullopt if the bytes are none.
+/// Reads the next row; nullopt if the bytes are malformed.
 std::optional<RowCode> next_row(ByteReader& in) {
   RowCode row;
   const auto number = in.get<std::uint8_t>();
@@ -62,7 +62,7 @@ SqlResult<void> write_row(SqlDatabase& database, const RowCode& row) {
     const std::string create(row.table->create);
     return database.execute(create + ";DELETE FROM " + std::string(row.table->name));
   }
-  if (row.change == RowChange::kPut && row.table->key.empty()) {  // the only row of its table
+  if (row.change == RowChange::kPut && row.table->key.empty()) {  // the table has a single row
     if (auto ok = database.execute("DELETE FROM " + std::string(row.table->name)); !ok) return ok;
   }
   auto statement = database.prepare(statement_of(row));
@@ -122,10 +122,11 @@ std::expected<JournalCopy, JournalError> JournalCopy::create(const std::filesyst
         JournalError{JournalErrorCode::kExists, file.string(), 0, "the file already exists"});
   }
   const auto unfinished = unfinished_file(file);
-  remove_journal(unfinished);  // which a crash may have left
+  remove_journal(unfinished);  // possibly left by a crash
   auto database = create_journal(unfinished, {});
   if (!database) return std::unexpected(database.error());
-  // Its rows are those of the copied journal. A savepoint is set after each change that is whole.
+  // Drop the initial rows: those of the copied journal replace them. A savepoint follows each whole
+  // change.
   auto empty =
       database->execute("BEGIN;DELETE FROM session;DELETE FROM kernel_versions;SAVEPOINT whole");
   if (!empty) return std::unexpected(to_journal_error(file, empty.error()));
@@ -134,10 +135,10 @@ std::expected<JournalCopy, JournalError> JournalCopy::create(const std::filesyst
 
 std::expected<JournalCopy, JournalError> JournalCopy::resume(const std::filesystem::path& file,
                                                              const CopyPosition& position) {
-  // Not open_journal(): the copy is of the epoch of its journal.
+  // Do not use open_journal(): the copy keeps the epoch of its journal.
   auto database = SqlDatabase::open(file, SqlMode::kWrite);
   if (!database) return std::unexpected(to_journal_error(file, database.error()));
-  // What a crash takes away is copied again.
+  // Changes lost in a crash are copied again.
   if (auto ok = mark_copied(file); !ok) return std::unexpected(ok.error());
   auto begun = database->execute("PRAGMA synchronous=NORMAL;BEGIN;SAVEPOINT whole");
   if (!begun) return std::unexpected(to_journal_error(file, begun.error()));
@@ -185,7 +186,7 @@ std::expected<CopyPosition, JournalError> JournalCopy::finish() {
   if (auto ok = database_->execute("ROLLBACK TO whole;COMMIT"); !ok) {
     return std::unexpected(to_journal_error(file_, ok.error()));
   }
-  database_.reset();  // which empties and removes the write-ahead log
+  database_.reset();  // empties and removes the write-ahead log
   if (auto good = verify(unfinished_); !good) return std::unexpected(good.error());
   if (auto ok = mark_copied(file_); !ok) return std::unexpected(ok.error());
   if (const auto error = rename_new(unfinished_, file_)) {

@@ -14,10 +14,10 @@ enum class JournalErrorCode {
   kCorrupt,         ///< `sequence` is the first bad record (0: outside the records)
   kIo,              ///< an operation of the disk or the operating system failed
   kFull,            ///< the disk does not keep up and the bounded buffer is full
-  kSessionLimit,    ///< its files have the size that a session may have
-  kDiskLimit,       ///< the files of all sessions have the size that they may have
-  kLease,           ///< another server may have it: the lease of this one has run out
-  kNotLoaded        ///< its session cannot be loaded for another reason, e.g. lack of memory
+  kSessionLimit,    ///< the session's files have reached their limit
+  kDiskLimit,       ///< the files of all sessions have reached their limit
+  kLease,           ///< another server may own the session: this one's lease has expired
+  kNotLoaded        ///< the session cannot be loaded for another reason, e.g. lack of memory
 };
 
 struct JournalError {
@@ -27,13 +27,13 @@ struct JournalError {
   std::string reason;  ///< one sentence
 };
 
-/// Whether a journal is paused by a limit, and not because its disk fails: what it has accepted is
+/// Whether a journal is paused by a limit rather than a failing disk: accepted records are then
 /// committed.
 constexpr bool is_limit(JournalErrorCode code) {
   return code == JournalErrorCode::kSessionLimit || code == JournalErrorCode::kDiskLimit;
 }
 
-/// Why a paused journal accepts nothing, in one word: "lease" or "disk".
+/// Returns the cause of a pause in one word: "lease" or "disk".
 constexpr const char* pause_word(JournalErrorCode code) {
   return code == JournalErrorCode::kLease ? "lease" : "disk";
 }

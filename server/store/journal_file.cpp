@@ -27,7 +27,7 @@ constexpr const char* kTables = R"(
   CREATE TABLE kernel_versions(sequence INTEGER PRIMARY KEY, version INTEGER NOT NULL);
 )";
 
-/// Since version 2. Version 1 had the records in a table `commands`, one row each.
+/// Tables since version 2. Version 1 stored each record as a row of the table `commands`.
 constexpr const char* kTables2 = R"(
   CREATE TABLE IF NOT EXISTS agents(participant INTEGER PRIMARY KEY, token BLOB NOT NULL,
                                     agent_sequence INTEGER NOT NULL, crc INTEGER NOT NULL);
@@ -38,9 +38,9 @@ constexpr const char* kTables2 = R"(
 
 std::string set_version() { return "PRAGMA user_version=" + std::to_string(kJournalVersion) + ";"; }
 
-/// Makes a journal one of this version. Its records stay in their table.
+/// Updates a journal to this version. Records of version 1 stay in their table.
 SqlResult<void> migrate(SqlDatabase& database) {
-  // The first journals had no table of kernel versions.
+  // The first journals lacked the table of kernel versions.
   return database.execute(
       "BEGIN;CREATE TABLE IF NOT EXISTS kernel_versions"
       "(sequence INTEGER PRIMARY KEY, version INTEGER NOT NULL);" +
@@ -67,9 +67,8 @@ SqlResult<void> insert_files(SqlDatabase& database,
   return {};
 }
 
-/// Suffixes of the write-ahead log and its index, which SQLite keeps beside an open database and
-/// leaves after a crash, of the snapshots (block_snapshot.h), of one that is not complete, and of
-/// the mark of a copy.
+/// Suffixes of the side files: SQLite's write-ahead log and its index, which remain after a crash,
+/// the snapshots (block_snapshot.h), an unfinished snapshot, and the mark of a copy.
 constexpr const char* kSideFileSuffixes[] = {
     "-wal", "-shm", "-snapshot", "-snapshot-previous", "-snapshot.tmp", kCopiedSuffix};
 
@@ -140,7 +139,7 @@ std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::p
     if (auto ok = database->execute(begin + kTables); !ok) return ok;
     if (auto ok = create_list_tables(*database); !ok) return ok;
     if (auto ok = create_attachment_table(*database); !ok) return ok;
-    // The table of the records has the last page: a file without its end is damaged.
+    // The table of records comes last in the file, so a truncated file is detected as damaged.
     const std::string setup = std::string(kTables2) +
                               "PRAGMA application_id=" + std::to_string(kJournalApplicationId) +
                               ";" + set_version();
@@ -160,7 +159,7 @@ std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::p
   };
   if (auto ok = fill(); !ok) {
     const JournalError error = to_journal_error(file, ok.error());
-    database = std::unexpected(ok.error());  // closes it
+    database = std::unexpected(ok.error());  // close it
     remove_journal(file);
     return std::unexpected(error);
   }
@@ -196,7 +195,7 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
                                           std::to_string(kJournalVersion)));
   }
   if (mode == SqlMode::kWrite) {
-    std::filesystem::remove(file.string() + kCopiedSuffix, ignored);  // often absent
+    std::filesystem::remove(file.string() + kCopiedSuffix, ignored);  // usually absent
     const std::string setup = "PRAGMA synchronous=FULL; UPDATE session SET epoch=epoch+1";
     if (*version < kJournalVersion) {
       if (auto ok = migrate(*database); !ok) {
@@ -230,14 +229,14 @@ std::expected<void, JournalError> copy_journal(const std::filesystem::path& from
                                                const std::filesystem::path& to) {
   auto database = open_journal(from, SqlMode::kRead);
   if (!database) return std::unexpected(database.error());
-  // query_only forbids VACUUM, which does not change this file.
+  // Allow VACUUM INTO, which query_only forbids although it does not change this file.
   if (auto ok = database->execute("PRAGMA query_only=OFF"); !ok) {
     return std::unexpected(to_journal_error(from, ok.error()));
   }
   auto copy = database->prepare("VACUUM INTO ?");
   if (!copy) return std::unexpected(to_journal_error(from, copy.error()));
   copy->bind(1, to.string());
-  // SQLite writes into an empty file too, and would create one that all may read.
+  // SQLite also writes into an empty file, but would itself create a world-readable one.
   const bool is_new = !create_private_file(to);
   const auto row = copy->step();
   if (row) return {};
@@ -249,7 +248,7 @@ std::expected<void, JournalError> copy_journal(const std::filesystem::path& from
 std::error_code rename_new(const std::filesystem::path& from, const std::filesystem::path& to) {
   if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return {};
   if (errno != EINVAL) return {errno, std::generic_category()};
-  // A file system that cannot do this at once; only this server moves files here.
+  // Fallback for file systems without an atomic operation. Only this server moves files here.
   std::error_code error;
   if (std::filesystem::exists(to, error)) return make_error_code(std::errc::file_exists);
   std::filesystem::rename(from, to, error);
@@ -265,7 +264,7 @@ std::expected<std::filesystem::path, std::error_code> keep_journal(
     if (error == std::errc::file_exists) continue;
     if (error) return std::unexpected(error);
     std::error_code ignored;
-    for (const char* suffix : kSideFileSuffixes) {  // often absent
+    for (const char* suffix : kSideFileSuffixes) {  // usually absent
       std::filesystem::rename(from.string() + suffix, to.string() + suffix, ignored);
     }
     return to;

@@ -15,13 +15,13 @@ namespace kerf {
 
 /// Extension of the file name of a journal.
 inline constexpr const char* kJournalExtension = ".kerf";
-/// "KERF", the application_id of the SQLite file. It identifies journals.
+/// The application_id of the SQLite file, "KERF", which identifies journals.
 inline constexpr std::int64_t kJournalApplicationId = 0x4B455246;
-/// Beside a journal that was made from changes there is an empty file of its name with this at the
-/// end, until the journal is opened for writing.
+/// Suffix of an empty file that marks a journal made from changes, until the journal is opened for
+/// writing.
 inline constexpr const char* kCopiedSuffix = "-copied";
-/// Version of the tables. Opening a file of an older version for writing makes it one of this
-/// version; its records stay as they are. A newer one is rejected with kForeignVersion.
+/// Version of the tables. Opening an older file for writing updates its tables but not its records.
+/// A newer one is rejected with kForeignVersion.
 inline constexpr std::int64_t kJournalVersion = 2;
 inline constexpr std::int64_t kOldestJournalVersion = 1;
 /// Kernel version of a journal that stores none.
@@ -31,44 +31,42 @@ inline constexpr std::int64_t kFirstKernelVersion = 1;
 struct JournalHeader {
   std::string session;
   std::string scene_json;
-  std::string base_folder;  ///< of the scene's file references; empty: none
-  std::uint32_t epoch = 1;  ///< number of times the journal was opened for writing
+  std::string base_folder;  ///< folder of the scene's file references; empty if none
+  std::uint32_t epoch = 1;  ///< number of openings for writing
   std::map<std::string, std::string> files = {};  ///< contents of the scene's files, by name
   /// Version of the kernel that computed the newest state hash.
   std::int64_t kernel_version = kKernelVersion;
-  /// The first record whose hash that version has computed. Read only.
+  /// First record whose hash that version computed. Ignored when writing.
   std::uint64_t kernel_since = 0;
 };
 
-/// How a new journal is written: kLive through a write-ahead log; kCopy straight to the file, which
-/// needs no space twice and is damaged after a crash.
+/// How a new journal is written. kLive uses a write-ahead log. kCopy writes directly to the file,
+/// which halves the space needed, but a crash damages the file.
 enum class CreateMode { kLive, kCopy };
 
-/// Creates an empty journal; fails with kExists if the file exists.
+/// Creates an empty journal. Fails with kExists if the file exists.
 std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::path& file,
                                                         const JournalHeader& header,
                                                         CreateMode mode = CreateMode::kLive);
 /// Opens a journal and checks its application_id and version.
 std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::path& file,
                                                       SqlMode mode);
-/// Makes the next opening for writing one of epoch `least`, if it would be of a smaller one.
+/// Raises the epoch of the next opening for writing to at least `least`.
 std::expected<void, JournalError> raise_epoch(const std::filesystem::path& file,
                                               std::uint32_t least);
-/// Writes a consistent copy of a journal, which may be in use by a writer.
+/// Writes a consistent copy of a journal, even while a writer uses it.
 std::expected<void, JournalError> copy_journal(const std::filesystem::path& from,
                                                const std::filesystem::path& to);
-/// Moves a closed journal, its snapshot, and the files that SQLite may have left beside it, to
-/// `folder`/NAME.kerf, or NAME-2.kerf and so on if that name is taken: no file is overwritten.
-/// Returns the new path.
+/// Moves a closed journal, its snapshots and SQLite's side files to `folder`/NAME.kerf, or
+/// NAME-2.kerf and so on if that name is taken. Never overwrites a file. Returns the new path.
 std::expected<std::filesystem::path, std::error_code> keep_journal(
     const std::filesystem::path& from, const std::filesystem::path& folder,
     const std::string& name);
-/// Renames a file; fails with file_exists instead of replacing another one.
+/// Renames a file. Fails with file_exists instead of replacing another file.
 std::error_code rename_new(const std::filesystem::path& from, const std::filesystem::path& to);
-/// Deletes a journal, its snapshot, and the files that SQLite may have left beside it. Errors are
-/// ignored.
+/// Deletes a journal, its snapshots and SQLite's side files. Ignores errors.
 void remove_journal(const std::filesystem::path& file);
-/// Converts an SQLite error: kCorrupt if the file is damaged, otherwise kIo.
+/// Converts an SQLite error to kCorrupt if the file is damaged, otherwise to kIo.
 JournalError to_journal_error(const std::filesystem::path& file, const SqlError& error);
 
 }  // namespace kerf

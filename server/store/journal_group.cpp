@@ -21,7 +21,7 @@ SqlResult<void> run(SqlStatement& statement) {
   return {};
 }
 
-/// A commit without memory fails like one without space on the disk: it is tried again.
+/// Treats a lack of memory during a commit like a full disk: the commit is retried.
 template <typename Commit>
 SqlResult<void> with_memory(Commit commit) {
   try {
@@ -75,7 +75,7 @@ SqlResult<JournalGroups> JournalGroups::prepare(SqlDatabase database) {
   if (!hash) return std::unexpected(hash.error());
   auto version = database.prepare("INSERT OR REPLACE INTO kernel_versions VALUES(?,?)");
   if (!version) return std::unexpected(version.error());
-  // An agent that has resumed keeps its row.
+  // Keep the row of an agent that has resumed.
   auto agent = database.prepare("INSERT OR IGNORE INTO agents VALUES(?,?,0,?)");
   if (!agent) return std::unexpected(agent.error());
   auto progress = database.prepare("UPDATE agents SET agent_sequence=?,crc=? WHERE participant=?");
@@ -120,7 +120,7 @@ SqlResult<void> JournalGroups::insert_batch() {
 }
 
 SqlResult<void> JournalGroups::insert(const Pending& pending) {
-  if (std::holds_alternative<PendingCommand>(pending)) return {};  // in the batch
+  if (std::holds_alternative<PendingCommand>(pending)) return {};  // written with the batch
   if (const auto* participant = std::get_if<JournalParticipant>(&pending)) {
     if (auto ok = insert_participant(inserts_.participant, *participant); !ok) return ok;
     if (participant->is_removed) {
@@ -142,7 +142,7 @@ SqlResult<void> JournalGroups::insert(const Pending& pending) {
   return insert_hash(inserts_.hash, std::get<StateHash>(pending));
 }
 
-/// Stores the number of each agent's newest sample in the group, in the transaction of its record.
+/// Stores each agent's newest sample number in the transaction of its record.
 SqlResult<void> JournalGroups::note_progress(const std::vector<Pending>& group) {
   std::map<ParticipantId, std::uint64_t> newest;
   for (const Pending& item : group) {
@@ -156,7 +156,7 @@ SqlResult<void> JournalGroups::note_progress(const std::vector<Pending>& group) 
     token.bind(1, std::int64_t{participant});
     const auto row = token.step();
     if (!row) return std::unexpected(row.error());
-    if (!*row) continue;  // it may not resume
+    if (!*row) continue;  // the agent may not resume
     const auto checksum = progress_checksum(participant, sequence, token.blob(0));
     if (const auto end = token.step(); !end) return std::unexpected(end.error());
     inserts_.progress.bind(1, static_cast<std::int64_t>(sequence));
@@ -167,7 +167,7 @@ SqlResult<void> JournalGroups::note_progress(const std::vector<Pending>& group) 
   return {};
 }
 
-/// Stores the line of each program's newest motion in the group, with its record.
+/// Stores the line of each program's newest motion in the transaction of its record.
 SqlResult<void> JournalGroups::note_lines(const std::vector<Pending>& group) {
   std::map<ParticipantId, std::uint32_t> newest;
   for (const Pending& item : group) {
@@ -203,12 +203,12 @@ SqlResult<void> JournalGroups::commit_after(const std::vector<Pending>& group,
   if (auto ok = database_.execute("BEGIN IMMEDIATE"); !ok) return ok;
   SqlResult<void> outcome = with_memory([&] { return insert_all(group, stored); });
   if (outcome) outcome = database_.execute("COMMIT");
-  // SQLite may have rolled back by itself; then this fails without an effect.
+  // No effect if SQLite has already rolled back.
   if (!outcome) (void)database_.execute("ROLLBACK");
   return outcome;
 }
 
-/// An encoder that has failed in the middle is reset: its next batch restarts.
+/// Encodes the commands once. An encoder that failed midway is reset, so its next batch restarts.
 SqlResult<void> JournalGroups::encode_once(const std::vector<Pending>& group) {
   if (is_encoded_) return {};
   auto encoded = with_memory([&]() -> SqlResult<void> {

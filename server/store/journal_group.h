@@ -15,11 +15,11 @@
 
 namespace kerf {
 
-/// What is stored with a command.
+/// Data stored with a command.
 struct RecordNote {
-  std::uint64_t agent_sequence = 0;  ///< of the agent's sample; 0: not an agent's
+  std::uint64_t agent_sequence = 0;  ///< number of the agent's sample; 0 if not from an agent
   bool begins_stroke = false;
-  std::uint32_t program_line = 0;  ///< of a program's motion; 0: not a program's
+  std::uint32_t program_line = 0;  ///< line of a program's motion; 0 if not from a program
 };
 
 struct PendingCommand {
@@ -29,25 +29,25 @@ struct PendingCommand {
   RecordNote note;
   std::int64_t wall_ms = 0;
 };
-/// A hash that another version of the kernel would not compute.
+/// A hash that replaces those of another kernel version.
 struct RecarvedHash {
   StateHash state;
 };
-/// One row of a journal that has not been committed.
+/// An uncommitted row of a journal.
 using Pending = std::variant<PendingCommand, JournalParticipant, StateHash, RecarvedHash,
                              ListChange, AttachmentChange>;
 
-/// Commits groups of rows to the tables of a journal, each in one transaction. The commands of a
-/// group are one batch.
+/// Commits groups of rows to a journal, each in one transaction. The commands of a group form one
+/// batch.
 class JournalGroups {
  public:
-  /// `database` was opened for writing.
+  /// `database` must be open for writing.
   static SqlResult<JournalGroups> prepare(SqlDatabase database);
 
-  /// Commits a group. After an error nothing of it is stored, as far as SQLite can tell: a failed
-  /// sync leaves that open.
+  /// Commits a group. An error means that nothing of it is stored, as far as SQLite knows: after a
+  /// failed sync, that is uncertain.
   SqlResult<void> commit(const std::vector<Pending>& group);
-  /// Commits a group whose commit has failed; skips the batch if it is stored after all.
+  /// Retries a failed commit. Skips the batch if it is stored after all.
   SqlResult<void> commit_again(const std::vector<Pending>& group);
 
  private:
@@ -55,7 +55,8 @@ class JournalGroups {
     SqlStatement batch, participant, hash, version, agent, progress, token, removal;
   };
   JournalGroups(SqlDatabase database, Inserts inserts, std::int64_t last_attachment);
-  /// The commands of a group, encoded once: a batch builds on the one before.
+  /// The encoded commands of a group. Encoded only once, because each batch builds on the one
+  /// before.
   struct Batch {
     BatchHead head;
     std::vector<std::byte> bytes;
@@ -70,9 +71,9 @@ class JournalGroups {
   SqlResult<void> insert(const Pending& pending);
 
   BatchEncoder encoder_;
-  Batch batch_;                       ///< of the last group
-  bool is_encoded_ = false;           ///< it is complete
-  std::int64_t last_attachment_ = 0;  ///< the greatest number that was given
+  Batch batch_;                       ///< of the newest group
+  bool is_encoded_ = false;           ///< `batch_` is complete
+  std::int64_t last_attachment_ = 0;  ///< greatest number given so far
   SqlDatabase database_;
   Inserts inserts_;  // destroyed before the database
 };

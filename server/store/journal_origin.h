@@ -10,17 +10,17 @@
 
 namespace kerf {
 
-/// What a journal begins with, besides its records: all that a replay needs of it.
+/// The beginning of a journal: all data for a replay except the records.
 struct JournalOrigin {
   std::string session;                       ///< id
   std::string scene_json;                    ///< canonical
-  std::map<std::string, std::string> files;  ///< that the scene names, with their contents
+  std::map<std::string, std::string> files;  ///< contents of the files that the scene names
 };
 
 /// Encodes an origin: little-endian u32 number of texts, then each as a u32 number of bytes and the
-/// bytes: id, scene, and of each file its name and its contents.
+/// bytes: id, scene, and the name and contents of each file.
 std::vector<std::byte> encode_origin(const JournalOrigin& origin);
-/// The error is one sentence.
+/// Decodes an origin. The error is one sentence.
 std::expected<JournalOrigin, std::string> read_origin(std::span<const std::byte> bytes);
 
 }  // namespace kerf

@@ -12,18 +12,17 @@
 
 namespace kerf {
 
-/// Returns all participants of a journal that could carve, also those who have left, in the order
-/// of their numbers, without their tokens. Reads what is committed.
+/// Returns all committed participants of a journal that could carve, including those that have
+/// left, by ascending number and without tokens.
 std::expected<std::vector<JournalParticipant>, JournalError> people_of(
     const std::filesystem::path& journal);
 
-/// The token of a row of the table `agents`; nullopt if the row is damaged.
+/// Returns the token of a row of the table `agents`; nullopt if the row is damaged.
 std::optional<TokenHash> agent_token(ParticipantId participant, std::uint64_t agent_sequence,
                                      std::span<const std::byte> token, std::int64_t crc);
 
-/// Returns an agent that may resume, with its token and how far its samples are in the journal;
-/// nullopt if there is none of that number, kCorrupt if its row is damaged. Reads what is
-/// committed: two rows by their keys.
+/// Returns an agent that may resume, with its token and its newest committed sample. Nullopt if
+/// there is no such agent, kCorrupt if its row is damaged. Reads two rows by their keys.
 std::expected<std::optional<JournalParticipant>, JournalError> agent_of(
     const std::filesystem::path& journal, ParticipantId participant);
 

@@ -32,7 +32,7 @@ std::expected<JournalReader, JournalError> JournalReader::open(const std::filesy
   auto database = open_journal(file, SqlMode::kRead);
   if (!database) return std::unexpected(database.error());
   if (stop.stop_possible()) database->end_on(stop);
-  // One transaction for all reads, so that hashes and commands belong to the same state.
+  // One read transaction, so that hashes and commands belong to the same state.
   if (auto ok = database->execute("BEGIN"); !ok) {
     return std::unexpected(to_journal_error(file, ok.error()));
   }
@@ -127,7 +127,7 @@ std::expected<void, JournalError> JournalReader::read_agents() {
     const auto id = static_cast<ParticipantId>(rows->integer(0));
     const auto agent_sequence = static_cast<std::uint64_t>(rows->integer(2));
     const auto token = agent_token(id, agent_sequence, rows->blob(1), rows->integer(3));
-    if (!token) continue;  // it joins as a new participant
+    if (!token) continue;  // the agent joins as a new participant
     const auto found =
         std::ranges::lower_bound(participants_, id, {}, &JournalParticipant::participant);
     if (found == participants_.end() || found->participant != id) continue;
@@ -139,7 +139,7 @@ std::expected<void, JournalError> JournalReader::read_agents() {
 std::expected<std::vector<JournalReader::DamagedRows>, JournalError> JournalReader::damaged_rows() {
   const std::string up_to_last = " WHERE record<=" + std::to_string(rows_->last());
   struct Table {
-    std::string name, rows;  ///< which rows belong to records that are there
+    std::string name, rows;  ///< condition for rows of existing records
     std::int64_t good = 0;
   };
   const auto agents = std::ranges::count_if(

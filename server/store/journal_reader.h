@@ -23,10 +23,10 @@ struct JournalParticipant {
   ParticipantId participant = 0;
   std::string name, color, kind;
   std::optional<TokenHash> token = std::nullopt;  ///< set if the agent may resume
-  /// Number of the newest sample of the agent that is in the journal; 0: none. Read only: it is
-  /// written with the commands.
+  /// Number of the agent's newest sample in the journal; 0 if none. Ignored when writing: commands
+  /// update it.
   std::uint64_t agent_sequence = 0;
-  bool is_removed = false;  ///< write only: its token, if it has one, is forgotten
+  bool is_removed = false;  ///< write only: forget the agent's token
 };
 
 /// The hash of the solid after the record `sequence`.
@@ -41,12 +41,12 @@ enum class RecordOrder {
   kParticipant  ///< participant by participant, each in sequence; sorted by SQLite on disk
 };
 
-/// Reads a journal from its beginning and verifies each record. May run beside a writer of the same
-/// file; it reads the state that was committed when it was opened.
+/// Reads a journal from its beginning and verifies each record. May run in parallel with a writer
+/// of the file and reads the state committed when it was opened.
 class JournalReader {
  public:
-  /// Reading, and the sorting before it, fails soon after a stop was requested. Begins with record
-  /// `from` (RecordRows::open).
+  /// Begins with record `from` (RecordRows::open). Reading and sorting fail soon after a stop was
+  /// requested.
   static std::expected<JournalReader, JournalError> open(const std::filesystem::path& file,
                                                          RecordOrder order = RecordOrder::kSequence,
                                                          std::stop_token stop = {},
@@ -54,30 +54,29 @@ class JournalReader {
 
   const JournalHeader& header() const { return header_; }
   const std::vector<JournalParticipant>& participants() const { return participants_; }
-  /// Sorted by sequence; none is beyond the last record.
+  /// Sorted by sequence. All are of existing records.
   const std::vector<StateHash>& state_hashes() const { return hashes_; }
-  /// The lists that people keep with the block, up to the last record.
+  /// The lists that people keep with the block, as of the last record.
   const Lists& lists() const { return lists_; }
-  /// The session from a point of which this one began; its id is empty if there is none.
+  /// The session from which this one was branched; empty id if none.
   const JournalParent& parent() const { return parent_; }
-  /// Number of state hashes that were left out because they are beyond the last record: the journal
-  /// has lost the records before them.
+  /// Number of state hashes ignored because they are beyond the last record: the journal has lost
+  /// records.
   std::size_t dropped_hashes() const { return dropped_hashes_; }
-  /// Rows that are left out everywhere because their checksums are wrong.
+  /// Rows ignored everywhere because of wrong checksums.
   struct DamagedRows {
     std::string table;
     std::int64_t rows = 0;
   };
-  /// Returns those of the tables beside the records, by table; none: all are good.
+  /// Returns the damaged rows by table, except for records; empty if none.
   std::expected<std::vector<DamagedRows>, JournalError> damaged_rows();
   /// Number of the last record.
   std::uint64_t last_sequence() const { return rows_->last(); }
-  /// Returns a number that tells the journal, as far as record `sequence`, from another one: of the
-  /// session, its scene, and the row of that record with its time. Nullopt if it has no such
-  /// record.
+  /// Returns a hash of the session, its scene and the row of record `sequence` with its time, which
+  /// identifies the journal up to this record. Nullopt if there is no such record.
   std::expected<std::optional<std::uint64_t>, JournalError> mark(std::uint64_t sequence);
-  /// Returns the next record; nullopt after the last. An error names a bad record, the first one in
-  /// the order of reading, and reading stops there.
+  /// Returns the next record; nullopt after the last. An error names the first bad record in the
+  /// order of reading, and reading stops there.
   std::expected<std::optional<JournalRecord>, JournalError> next();
 
  private:
@@ -91,7 +90,7 @@ class JournalReader {
   JournalError corrupt(std::uint64_t sequence, std::string reason) const;
 
   std::filesystem::path file_;
-  std::unique_ptr<SqlDatabase> database_;  ///< in one place, for `rows_`
+  std::unique_ptr<SqlDatabase> database_;  ///< stable address, for `rows_`
   std::optional<RecordRows> rows_;
   std::optional<SortedRecords> sorted_;
   JournalHeader header_;

@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-/// Upper bound of the pieces of a tool; more than any scene's tool has.
+/// Upper bound for the pieces of a tool; no scene's tool has as many.
 constexpr std::uint32_t kPiecesMax = 4096;
 constexpr std::uint8_t kBallPiece = 1;
 constexpr std::uint8_t kFrustumPiece = 2;

@@ -14,22 +14,22 @@
 
 namespace kerf {
 
-/// Number of a participant within one session; 0 is the session itself, which defines the tools.
+/// Number of a participant within one session. 0 is the session itself, which defines the tools.
 using ParticipantId = std::uint32_t;
 
-/// Takes the motions of a stroke out of the block, or puts them back. The block is the stock less
-/// the motions that are not undone, in any order: what others have cut since stays.
+/// Undoes or redoes the motions of a stroke. The block is the stock minus all motions not undone,
+/// in any order, so later cuts by other participants stay.
 struct StrokeChange {
-  std::uint64_t stroke = 0;  ///< the record with which it begins
-  bool undone = true;        ///< false: it is redone
+  std::uint64_t stroke = 0;  ///< its first record
+  bool undone = true;        ///< false to redo it
 };
 
-/// Whatever changes the block of a session.
+/// A command that changes the block of a session.
 using RecordedCommand = std::variant<DefineTool, MoveTool, StrokeChange>;
 
-/// Returns a command of the kernel as a journal stores it.
+/// Wraps a kernel command for the journal.
 RecordedCommand recorded(Command command);
-/// Returns the command of the kernel that a journal stores; nullopt for a StrokeChange.
+/// Returns the kernel command of a record; nullopt for a StrokeChange.
 std::optional<Command> kernel_command(const RecordedCommand& command);
 
 /// One command of a session.
@@ -37,15 +37,15 @@ struct JournalRecord {
   std::uint64_t sequence = 0;  ///< order of application: from 1, consecutive
   ParticipantId participant = 0;
   RecordedCommand command;
-  /// When it was appended, ms since 1970 UTC, to some 10 ms. 0: of a journal of version 1.
+  /// When it was appended, ms since 1970 UTC, to about 10 ms. 0 in a journal of version 1.
   std::int64_t wall_ms = 0;
-  /// The record with which its stroke begins: what a participant cuts between touching down and
-  /// lifting, or a program. 0: none, or of a journal of version 1.
+  /// First record of its stroke: the cuts of a participant between touching down and lifting, or a
+  /// program. 0 for none and in a journal of version 1.
   std::uint64_t stroke = 0;
 };
 
-/// The layout number, the first byte of an encoded command. A changed layout gets a new number, and
-/// old ones stay readable.
+/// The first byte of an encoded command. A changed layout gets a new number, and old ones stay
+/// readable.
 enum class CommandLayout : std::uint8_t {
   kDefineTool1 = 1,  ///< cutting pieces only: balls and frusta
   kMoveTool1 = 2,
@@ -57,8 +57,8 @@ enum class CommandLayout : std::uint8_t {
 /// IEEE 754 bits, so replay reads identical numbers.
 std::vector<std::byte> encode_command(const RecordedCommand& command);
 
-/// Decodes a command. Checks lengths, piece counts and tool shapes; Sculpture::check validates the
-/// rest. The error is one sentence.
+/// Decodes a command. Checks lengths, piece counts and tool shapes, but not the rest: see
+/// Sculpture::check. The error is one sentence.
 std::expected<RecordedCommand, std::string> decode_command(std::span<const std::byte> bytes);
 
 /// Returns the CRC-32 of sequence, participant and bytes, which also detects a record that was

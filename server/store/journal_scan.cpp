@@ -14,7 +14,7 @@
 namespace kerf {
 namespace {
 
-constexpr std::size_t kPartBytes = std::size_t{4} << 20;  ///< of finish()
+constexpr std::size_t kPartBytes = std::size_t{4} << 20;  ///< used by finish()
 
 }  // namespace
 
@@ -44,7 +44,7 @@ std::expected<bool, JournalError> JournalScan::advance(std::size_t bytes,
   auto database = open_journal(file_, SqlMode::kRead);
   if (!database) return std::unexpected(database.error());
   if (stop.stop_possible()) database->end_on(stop);
-  // In one transaction: the records that are missing are not those that are committed meanwhile.
+  // One transaction: otherwise records committed meanwhile would look like a gap.
   if (auto ok = database->execute("BEGIN"); !ok) return failed(ok.error());
   return scan(*database, bytes);
 }
@@ -52,7 +52,7 @@ std::expected<bool, JournalError> JournalScan::advance(std::size_t bytes,
 std::expected<bool, JournalError> JournalScan::scan(SqlDatabase& database, std::size_t bytes) {
   const auto last = last_record(database);
   if (!last) return failed(last.error());
-  if (*last < verified_) return true;  // a copy may be cut short and continued
+  if (*last < verified_) return true;  // a copy may be truncated and continued
   const auto singles = scan_singles(database, bytes);
   if (!singles || !*singles) return singles;
   const auto batches = scan_batches(database, bytes);
@@ -60,7 +60,7 @@ std::expected<bool, JournalError> JournalScan::scan(SqlDatabase& database, std::
   return corrupt(verified_ + 1, std::to_string(*last - verified_) + " records are missing");
 }
 
-/// The rows of version 1, which come before the batches. True after the last one.
+/// Verifies the rows of version 1, which come before the batches. Returns true after the last one.
 std::expected<bool, JournalError> JournalScan::scan_singles(SqlDatabase& database,
                                                             std::size_t& bytes) {
   const auto exists = database.has_table("commands");

@@ -12,20 +12,20 @@
 
 namespace kerf {
 
-/// Verifies the scene and the checksums of all committed records of a journal, a part at a time,
-/// beside its writer. Decodes no record. Between two parts no transaction is open, so that SQLite
-/// can empty the write-ahead log.
+/// Verifies the scene and the record checksums of a journal, a part at a time, in parallel with its
+/// writer. Decodes no records. Between parts no transaction is open, so that SQLite can empty the
+/// write-ahead log.
 class JournalScan {
  public:
   explicit JournalScan(std::filesystem::path journal) : file_(std::move(journal)) {}
 
-  /// Verifies the next rows, until they have `bytes` bytes. Returns true after the last one. An
-  /// error of code kCorrupt names the first bad record (0: outside the records); another one says
-  /// why the journal cannot be read now, as after a stop, and the call can be repeated.
+  /// Verifies the next rows, about `bytes` bytes. Returns true after the last one. The error
+  /// kCorrupt names the first bad record, 0 if it is outside the records. After any other error,
+  /// e.g. a stop, the journal cannot be read now and the call can be repeated.
   std::expected<bool, JournalError> advance(std::size_t bytes, const std::stop_token& stop = {});
   /// Verifies the rest.
   std::expected<void, JournalError> finish(const std::stop_token& stop = {});
-  /// The last record that was verified.
+  /// Number of the last verified record.
   std::uint64_t verified() const { return verified_; }
 
  private:
@@ -40,12 +40,12 @@ class JournalScan {
   bool has_head_ = false;  ///< the scene has been verified
 };
 
-/// Verifies a journal from its beginning to its end; errors as of JournalScan.
+/// Verifies a whole journal. Errors as for JournalScan.
 std::expected<void, JournalError> scan_journal(const std::filesystem::path& journal,
                                                const std::stop_token& stop = {});
 
-/// Says which record of a journal is damaged and what its operator can do, in one sentence without
-/// the path of the file.
+/// Returns one sentence that says which record is damaged and what the operator can do, without the
+/// path.
 std::string damage_text(const JournalError& damage);
 
 }  // namespace kerf

@@ -16,7 +16,7 @@ std::expected<std::vector<std::byte>, JournalError> journal_span(
   const auto failed = [&](const SqlError& error) {
     return std::unexpected(to_journal_error(journal, error));
   };
-  // One transaction, so that the rows are those of the last record.
+  // One transaction, so that the rows match the last record.
   if (auto begun = database->execute("BEGIN"); !begun) return failed(begun.error());
   const auto committed = last_record(*database);
   if (!committed) return failed(committed.error());

@@ -7,12 +7,12 @@
 
 namespace kerf {
 
-/// How the rows of a table come to a copy of a journal.
+/// How the rows of a table are transferred to a copy of a journal.
 enum class TableKind : std::uint8_t {
-  kRecords,  ///< appended in the order of their sequence
-  kSmall,    ///< few rows, any of which may change or go
-  kList,     ///< the same, kept by people with the block (list_table.h)
-  kFixed,    ///< rows come and go, and do not change; their numbers only grow
+  kRecords,  ///< appended in ascending sequence
+  kSmall,    ///< few rows, which may change or be removed
+  kList,     ///< like kSmall, kept by people with the block (list_table.h)
+  kFixed,    ///< rows are added and removed but do not change; numbers only increase
   kOrigin    ///< written when the journal is created
 };
 
@@ -21,11 +21,10 @@ struct JournalTable {
   std::uint8_t number;
   std::string_view name;
   TableKind kind;
-  std::string_view columns;  ///< one letter each, the key first: i integer, t text, b bytes
-  std::string_view key;      ///< its primary key; empty: it has one row
-  std::string_view create;   ///< what creates it in a copy; empty: every journal has it
-  /// Of a list: its rows show the block after their records, so a journal without those records
-  /// has no use for them.
+  std::string_view columns;  ///< one letter each, key first: i integer, t text, b bytes
+  std::string_view key;      ///< its primary key; empty for a table with a single row
+  std::string_view create;   ///< statement that creates it in a copy; empty if every journal has it
+  /// For lists: a row refers to a record, and is left out of a journal without that record.
   bool needs_record = false;
 };
 

@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-/// The last batch for which a condition holds; nullopt: none, or a journal of version 1.
+/// Returns the last batch that meets a condition; nullopt if none does.
 SqlResult<std::optional<BatchHead>> last_batch(SqlDatabase& database,
                                                const std::string& condition) {
   const auto exists = database.has_table("batches");
@@ -29,7 +29,7 @@ SqlResult<std::optional<BatchHead>> last_batch(SqlDatabase& database,
                    rows->integer(3)};
 }
 
-/// The last record before all batches.
+/// Returns the last record before all batches.
 SqlResult<std::uint64_t> last_without_time(SqlDatabase& database) {
   const auto exists = database.has_table("commands");
   if (!exists) return std::unexpected(exists.error());
@@ -55,7 +55,8 @@ std::expected<std::uint64_t, JournalError> record_at(const std::filesystem::path
     return last ? std::expected<std::uint64_t, JournalError>(*last) : failed(last.error());
   }
   const BatchHead& head = **batch;
-  std::uint64_t begun = 1, end = head.count;  // the records before `begun` are not later
+  std::uint64_t begun = 1, end = head.count;  // the records before `begun` are not later than
+                                              // wall_ms
   while (begun < end) {
     const std::uint64_t middle = begun + (end - begun) / 2;
     if (head.wall_ms_of(middle) <= wall_ms) {

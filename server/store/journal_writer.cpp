@@ -38,7 +38,7 @@ struct JournalWriter::Impl {
   }
   ~Impl() { stop(); }
 
-  /// Commits the pending records, or tries to, and joins the flusher.
+  /// Commits the pending records if possible and joins the flusher.
   void stop() {
     {
       const std::lock_guard lock(mutex);
@@ -55,7 +55,7 @@ struct JournalWriter::Impl {
     note_pushed(was_empty, 1);
   }
 
-  /// The flusher takes all of the commands or none. Without memory nothing is appended.
+  /// Appends all commands or, e.g. without memory, none. The flusher also takes all or none.
   std::expected<std::uint64_t, JournalError> append(ParticipantId participant,
                                                     std::span<const RecordedCommand> commands,
                                                     RecordNote note) {
@@ -87,7 +87,7 @@ struct JournalWriter::Impl {
     pushed += rows;
     if (!was_empty) return;
     buffer_since = Clock::now();
-    // A flusher that collects a group wakes up by itself; only an idle one must be notified.
+    // A flusher that is collecting a group wakes up by itself. Only an idle one must be notified.
     wake.notify_one();
   }
 
@@ -134,7 +134,7 @@ struct JournalWriter::Impl {
     }
   }
 
-  /// Wakes the waiting threads; reports the start and the end of a pause.
+  /// Wakes waiting threads and reports the begin and end of a pause.
   void note_outcome(const SqlResult<void>& outcome, std::unique_lock<std::mutex>& lock) {
     const bool was_paused = disk_pause().has_value();
     failure = outcome ? std::nullopt : std::optional(to_journal_error(file, outcome.error()));
@@ -159,7 +159,7 @@ struct JournalWriter::Impl {
                         "continue it"};
   }
 
-  /// The error with which append() and flush() fail now.
+  /// Returns the error with which append() and flush() currently fail.
   std::optional<JournalError> obstacle() const {
     if (!closed) return pause();
     return JournalError{JournalErrorCode::kIo, file.string(), 0, "the journal is closed"};
@@ -172,15 +172,15 @@ struct JournalWriter::Impl {
   mutable std::mutex mutex;
   std::condition_variable wake, done;
   std::vector<Pending> buffer;
-  std::size_t in_commit = 0;                    ///< rows of the group, until they are committed
-  Clock::time_point buffer_since, group_since;  ///< when their oldest rows were pushed
+  std::size_t in_commit = 0;                    ///< number of rows in the group being committed
+  Clock::time_point buffer_since, group_since;  ///< when their oldest rows were appended
   std::uint64_t pushed = 0, committed = 0;
-  JournalFigures figures;  ///< but for the age of the oldest record
+  JournalFigures figures;  ///< except the age of the oldest record
   int flushing = 0;
   bool stopping = false, closed = false, retry_now = false;
-  std::optional<JournalError> failure;  ///< of the last commit
+  std::optional<JournalError> failure;  ///< error of the last commit
   std::optional<JournalError> held;
-  std::shared_ptr<const WriteFence> fence;  ///< null: none; set before anything is appended
+  std::shared_ptr<const WriteFence> fence;  ///< null without a fence; set before the first append
   std::function<void(const std::optional<JournalError>&)> report;
   std::uint64_t last_sequence;
   std::atomic<std::uint64_t> durable_sequence;
@@ -205,7 +205,7 @@ std::expected<JournalWriter, JournalError> JournalWriter::open(const std::filesy
                                                                std::uint64_t last_sequence) {
   auto database = open_journal(file, SqlMode::kWrite);
   if (!database) return std::unexpected(database.error());
-  // Hashes of records that were lost must not count as those of records that follow.
+  // Hashes of lost records must not be taken for those of the records that follow.
   const std::string beyond = " WHERE sequence>" + std::to_string(last_sequence);
   if (auto ok = database->execute("DELETE FROM state_hashes" + beyond +
                                   ";DELETE FROM kernel_versions" + beyond);

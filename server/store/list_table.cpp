@@ -11,7 +11,7 @@
 namespace kerf {
 namespace {
 
-/// Texts first, each with its terminating zero, then the integers.
+/// Checksum over the texts, each with its terminating zero, then over the integers.
 std::int64_t checksum(const ListRow& row) {
   std::uint32_t crc = 0;
   for (const ListValue& value : row) {
@@ -55,7 +55,7 @@ SqlResult<void> store_row(SqlDatabase& database, const JournalTable& table, cons
   return run_to_end(*statement);
 }
 
-/// The columns of a row before its checksum.
+/// Reads the columns of a row without its checksum.
 ListRow row_of(const SqlStatement& rows, std::string_view columns) {
   ListRow row;
   for (const char type : columns.substr(0, columns.size() - 1)) {

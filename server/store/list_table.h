@@ -14,7 +14,7 @@
 namespace kerf {
 
 /// A row of a list that people keep with a block (TableKind::kList): its columns without the
-/// checksum. The first one is the key, the second one the number of a record.
+/// checksum. The first one is the key, the second one a record number.
 using ListValue = std::variant<std::int64_t, std::string>;
 using ListRow = std::vector<ListValue>;
 /// Rows by the name of their table, each table ordered by its key.
@@ -24,19 +24,20 @@ using Lists = std::map<std::string, std::vector<ListRow>, std::less<>>;
 /// stored row.
 struct ListChange {
   std::string_view table;                           ///< a name in kJournalTables
-  std::optional<ListValue> removed = std::nullopt;  ///< key of the row that is deleted
-  std::optional<ListRow> stored = std::nullopt;     ///< inserted, or replaces the row of its key
+  std::optional<ListValue> removed = std::nullopt;  ///< key of the row to delete
+  std::optional<ListRow> stored = std::nullopt;     ///< row to insert, or to replace the one with
+                                                    ///< its key
 };
 
-/// Number of the record that a row states.
+/// Returns the record number of a row.
 std::uint64_t record_of(const ListRow& row);
 
-/// Creates the tables of all lists that the journal lacks.
+/// Creates missing tables of lists.
 SqlResult<void> create_list_tables(SqlDatabase& database);
-/// To be called in a transaction.
+/// Call it in a transaction.
 SqlResult<void> store_list_change(SqlDatabase& database, const ListChange& change);
-/// Returns the rows of all lists up to record `last`. Omits rows whose checksum is wrong. A table
-/// that does not exist has no rows.
+/// Returns the rows of all lists up to record `last`, without rows whose checksum is wrong. A
+/// missing table has no rows.
 SqlResult<Lists> read_lists(SqlDatabase& database, std::uint64_t last);
 
 }  // namespace kerf

@@ -16,7 +16,7 @@ std::expected<void, JournalError> check_pages(const std::filesystem::path& journ
   if (!row) return std::unexpected(to_journal_error(journal, row.error()));
   std::string found = *row ? report->text(0) : "the file cannot be verified";
   if (found == "ok") return {};
-  // SQLite puts a title before the first damage that it finds.
+  // SQLite puts a title before the first damage that it reports.
   if (found.starts_with("***")) found.erase(0, found.find('\n') + 1);
   return std::unexpected(JournalError{JournalErrorCode::kCorrupt, journal.string(), 0, found});
 }

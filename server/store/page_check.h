@@ -8,8 +8,8 @@
 
 namespace kerf {
 
-/// Reads all pages of a journal, also of tables that a reader of its records does not need: a
-/// damaged one stops the session when it writes there. May run beside a writer of the same file.
+/// Reads all pages of a journal, including tables that readers of records do not need: a damaged
+/// page would stop the session when it writes there. May run in parallel with a writer of the file.
 /// Takes about as long as reading the file.
 std::expected<void, JournalError> check_pages(const std::filesystem::path& journal);
 

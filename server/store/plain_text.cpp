@@ -6,7 +6,7 @@
 namespace kerf {
 namespace {
 
-/// Bytes of the UTF-8 character at the front; 0: malformed.
+/// Number of bytes of the first UTF-8 character; 0 if malformed.
 std::size_t character_bytes(std::string_view text) {
   const auto byte = [&](std::size_t n) { return static_cast<unsigned char>(text[n]); };
   const unsigned first = byte(0);
@@ -16,7 +16,7 @@ std::size_t character_bytes(std::string_view text) {
   for (std::size_t n = 1; n < bytes; ++n) {
     if ((byte(n) & 0xC0U) != 0x80) return 0;
   }
-  // Overlong forms, surrogates, and what is beyond the last character.
+  // Overlong forms, surrogates, and values beyond U+10FFFF.
   const unsigned second = byte(1);
   const bool is_outside = (first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) ||
                           (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F);

@@ -16,24 +16,24 @@ using Grid = MotionStates::Grid;
 using State = MotionStates::State;
 
 constexpr double kTipScale = 1e6, kAxisScale = 1e9, kUsPerS = 1e6, kSecondsPerUs = 1e-6;
-/// Coordinates in steps, below which all arithmetic here is exact: 1e12 mm.
+/// Maximum coordinate in steps, 1e12 mm: all arithmetic here is exact below it.
 constexpr double kStepsMax = 1e18;
 constexpr std::int64_t kDurationMaxUs = std::int64_t{1} << 40;
 
 constexpr unsigned kFlagBits = 8;
-/// Whole commands, i.e. tools, are shorter than this.
+/// Maximum size of a whole command, i.e. a tool.
 constexpr std::uint64_t kCommandBytesMax = std::uint64_t{1} << 20;
 
 /// Flags of a record.
 enum Flag : unsigned {
-  kOther = 1,      ///< the participant differs from that of the record before
+  kOther = 1,      ///< another participant than in the previous record
   kWhole = 2,      ///< an encoded command follows instead of a motion
   kJump = 4,       ///< the motion does not start where the last one ended
   kSameAxis = 8,   ///< the axis does not change
   kTool = 16,      ///< tool or feel differ
   kStroke = 32,    ///< begins a stroke
   kDuration = 64,  ///< the duration differs
-  /// With kDuration: the duration is not a number of microseconds; its 64 bits follow instead.
+  /// With kDuration: the duration is no whole number of microseconds, so its 64 bits follow.
   kExactDuration = 128
 };
 
@@ -43,7 +43,7 @@ constexpr std::uint64_t fold(std::int64_t value) {
 constexpr std::int64_t unfold(std::uint64_t value) {
   return static_cast<std::int64_t>(value >> 1U) ^ -static_cast<std::int64_t>(value & 1U);
 }
-/// Sums of untrusted numbers may wrap around.
+/// Adds with wrap-around, because untrusted numbers may overflow.
 constexpr std::int64_t sum(std::int64_t a, std::int64_t b) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
 }
@@ -62,7 +62,7 @@ std::optional<std::int64_t> to_steps(double value, double scale) {
   return whole;
 }
 
-/// Nullopt for a pose that is not on the pose grid to the bit.
+/// Converts a pose; nullopt unless it is exactly on the pose grid.
 std::optional<Grid> to_grid(const ToolPose& pose) {
   Grid grid{};
   const std::array values = {pose.tip_mm.x, pose.tip_mm.y, pose.tip_mm.z,
@@ -91,8 +91,8 @@ std::optional<std::int64_t> to_us(double seconds) {
   return static_cast<std::int64_t>(us);
 }
 
-/// Where a coordinate will be after a motion of `duration_us` that starts at `from`, at the speed
-/// of the last motion.
+/// Predicts a coordinate at the end of a motion that starts at `from` and takes `duration_us`, at
+/// the speed of the last motion.
 std::int64_t predict(const State& state, std::int64_t from, std::size_t i,
                      std::int64_t duration_us) {
   const auto moved = static_cast<double>(difference(state.at.at(i), state.before.at(i)));
@@ -103,7 +103,7 @@ std::int64_t predict(const State& state, std::int64_t from, std::size_t i,
   return std::abs(step) < kStepsMax ? sum(from, static_cast<std::int64_t>(step)) : from;
 }
 
-/// The third component of a unit axis, with the sign of `like`.
+/// Returns the third component of a unit axis, with the sign of `like`.
 std::int64_t third_component(std::int64_t x, std::int64_t y, std::int64_t like) {
   const double a = static_cast<double>(x) / kAxisScale, b = static_cast<double>(y) / kAxisScale;
   const double square = 1 - a * a - b * b;
@@ -119,7 +119,7 @@ std::int64_t read_offset(BitReader& in, std::int64_t predicted, NumberSize& size
   return sum(predicted, unfold(in.number(size)));
 }
 
-/// A motion in integers, and its exact duration.
+/// A motion in grid steps, and its exact duration.
 struct GridMotion {
   Grid from{}, to{};
   double duration_s = 0;
@@ -188,7 +188,7 @@ void write_motion(BitWriter& out, const GridMotion& motion, State& state, unsign
                state.coordinates[5]);
 }
 
-/// False for a duration that no encoder writes.
+/// Reads a duration. Returns false for one that no encoder writes.
 bool read_duration(BitReader& in, GridMotion& motion, State& state, unsigned flags) {
   if ((flags & kDuration) == 0) return (flags & kExactDuration) == 0;
   motion.duration_s = (flags & kExactDuration) != 0

@@ -15,10 +15,10 @@
 
 namespace kerf {
 
-/// Records of a batch, which the buffer of the writer can hold.
+/// Maximum number of records in a batch: the capacity of the writer's buffer.
 inline constexpr std::size_t kBatchRecordsMax = 65'536;
 
-/// What a batch stores of one record.
+/// The stored part of one record.
 struct BatchRecord {
   ParticipantId participant = 0;
   RecordedCommand command;
@@ -26,12 +26,13 @@ struct BatchRecord {
 };
 
 /// The last motion of each participant, from which the next one is predicted. Encoder and decoder
-/// hold the same states; a batch that restarts clears them.
+/// hold equal states. A restarting batch clears them.
 class MotionStates {
  public:
   /// Tip and axis of a pose in steps of the pose grid.
   using Grid = std::array<std::int64_t, 6>;
-  /// Participants, between two batches that restart: bounds the memory that a file can cause.
+  /// Maximum number of participants between two restarting batches: bounds the memory that a file
+  /// can demand.
   static constexpr std::size_t kMax = kBatchRecordsMax;
   struct State {
     Grid before{}, at{};           ///< start and end of the last motion
@@ -39,7 +40,7 @@ class MotionStates {
     std::int64_t duration_us = 0;  ///< rounded, for the prediction
     ToolId tool = 0;
     bool feel = true;
-    /// Of the differences to the prediction, by coordinate; of the other numbers.
+    /// Code parameters of the differences, by coordinate, and of the other numbers.
     std::array<NumberSize, 6> coordinates{};
     NumberSize duration, jump, other;
   };
@@ -47,8 +48,8 @@ class MotionStates {
   std::size_t size() const { return states_.size(); }
   void clear() { *this = {}; }
 
-  NumberSize participants, sizes;  ///< of participant numbers and of encoded commands
-  unsigned flags = 0;              ///< of the last record
+  NumberSize participants, sizes;  ///< for participant numbers and sizes of encoded commands
+  unsigned flags = 0;              ///< of the previous record
 
  private:
   std::map<ParticipantId, State> states_;
@@ -57,27 +58,28 @@ class MotionStates {
 /// Encodes the records of a commit (README.md, "Batches"). Batches build on the ones before.
 class BatchEncoder {
  public:
-  /// A batch that restarts can be decoded without those before. The first one does, and one before
-  /// which there could be more than MotionStates::kMax participants. Who reads a record in the
-  /// middle of a journal begins with such a batch.
+  /// A restarting batch can be decoded without its predecessors. These are the first batch of an
+  /// encoder, every kBatchesPerRestart-th, and any before which there could be more than
+  /// MotionStates::kMax participants. Reading from the middle of a journal begins with such a
+  /// batch.
   static constexpr int kBatchesPerRestart = 256;
   static constexpr std::size_t kRecordsPerRestart = 2048;
-  /// At most kBatchRecordsMax records.
+  /// Encodes at most kBatchRecordsMax records.
   std::vector<std::byte> encode(std::span<const BatchRecord> records);
 
  private:
   MotionStates states_;
-  int batches_ = 0;          ///< since the last one that restarts
-  std::size_t records_ = 0;  ///< in these
+  int batches_ = 0;          ///< since the last restarting one
+  std::size_t records_ = 0;  ///< in `batches_`
 };
 
-/// Whether a batch can be decoded without those before.
+/// Whether a batch can be decoded without its predecessors.
 bool restarts(std::span<const std::byte> bytes);
 
 class BatchDecoder {
  public:
-  /// Decodes the next batch, or one that restarts, with `count` records. The error is one sentence;
-  /// afterwards only a batch that restarts can be decoded.
+  /// Decodes the next batch, or a restarting one, with `count` records. The error is one sentence.
+  /// After an error only a restarting batch can be decoded.
   std::expected<std::vector<BatchRecord>, std::string> decode(std::span<const std::byte> bytes,
                                                               std::size_t count);
 
@@ -86,22 +88,22 @@ class BatchDecoder {
   bool can_continue_ = false;
 };
 
-/// What is stored beside the bytes of a batch.
+/// The columns of a batch's row except for its bytes.
 struct BatchHead {
-  std::uint64_t first = 0, count = 0;  ///< sequence of its first record; number of records
-  std::int64_t wall_ms = 0;            ///< when the first one was appended; ms since 1970, UTC
-  std::int64_t span_ms = 0;            ///< from then to the last one
+  std::uint64_t first = 0, count = 0;  ///< sequence of the first record; number of records
+  std::int64_t wall_ms = 0;            ///< when the first record was appended; ms since 1970, UTC
+  std::int64_t span_ms = 0;            ///< from the first to the last record
 
-  /// When record `first` + n was appended, interpolated.
+  /// Interpolates when record `first` + n was appended.
   std::int64_t wall_ms_of(std::uint64_t n) const {
     const auto steps = static_cast<std::int64_t>(count) - 1;
     return wall_ms + span_ms * static_cast<std::int64_t>(n) / (steps < 1 ? 1 : steps);
   }
 };
-inline constexpr std::int64_t kWallMaxMs = std::int64_t{1} << 53;  ///< of either sign
+inline constexpr std::int64_t kWallMaxMs = std::int64_t{1} << 53;  ///< also the negative limit
 inline constexpr std::int64_t kSpanMaxMs = std::int64_t{1} << 40;
 
-/// Returns the CRC-32 of a batch and its head, as a signed number, which SQLite stores in 4 bytes.
+/// Returns the CRC-32 of a batch and its head as a signed number, which SQLite stores in 4 bytes.
 std::int32_t batch_checksum(const BatchHead& head, std::span<const std::byte> bytes);
 
 }  // namespace kerf

@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-/// Prepares a query of a table; empty if there is no such table.
+/// Prepares a query of a table; empty if the table does not exist.
 SqlResult<std::optional<SqlStatement>> prepare_if(SqlDatabase& database, const std::string& table,
                                                   const std::string& query) {
   const auto exists = database.has_table(table);
@@ -158,7 +158,7 @@ std::expected<std::optional<JournalRecord>, JournalError> RecordRows::next_singl
   return record;
 }
 
-/// Decodes the next batch; false if there is none.
+/// Decodes the next batch. Returns false if there is none.
 std::expected<bool, JournalError> RecordRows::next_batch() {
   const auto row = step(*batches_);
   if (!row || !*row) return row;
@@ -179,7 +179,7 @@ std::expected<SortedRecords, JournalError> SortedRecords::sort(RecordRows& rows,
     return std::unexpected(JournalError{JournalErrorCode::kIo, file.string(), 0,
                                         "cannot sort the records: " + error.reason});
   };
-  auto database = SqlDatabase::open({}, SqlMode::kCreate);  // a temporary file
+  auto database = SqlDatabase::open({}, SqlMode::kCreate);  // SQLite's temporary database
   if (!database) return failed(database.error());
   if (stop.stop_possible()) database->end_on(stop);
   if (auto ok = database->execute(

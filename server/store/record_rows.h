@@ -16,18 +16,18 @@
 
 namespace kerf {
 
-/// Reads and verifies the records of a journal in sequence: the single rows of version 1, if there
-/// are any, then the batches.
+/// Reads and verifies the records of a journal in sequence: the single rows of version 1, if any,
+/// then the batches.
 class RecordRows {
  public:
-  /// Fails with the error of SQLite. `database` must outlive the result. Begins with record `from`,
-  /// or the first one of a salvaged journal (journal_base.h), and verifies none before the batch
-  /// that holds it; the stroke of a record whose participant began it earlier is 0 then.
+  /// Begins with record `from`, or with the first record of a salvaged journal (journal_base.h).
+  /// Batches before the one with that record are not verified, and records of a stroke that began
+  /// earlier have stroke 0. `database` must outlive the result. Fails with the error of SQLite.
   static std::expected<RecordRows, JournalError> open(const std::filesystem::path& file,
                                                       SqlDatabase& database,
                                                       std::uint64_t from = 1);
-  /// Returns the next record; nullopt after the last. An error names the first bad record; of a
-  /// batch, the first one of the batch.
+  /// Returns the next record; nullopt after the last. An error names the first bad record, in a
+  /// batch its first record.
   std::expected<std::optional<JournalRecord>, JournalError> next();
   /// Sequence of the last record.
   std::uint64_t last() const { return last_; }
@@ -42,17 +42,18 @@ class RecordRows {
   std::expected<bool, JournalError> step(SqlStatement& rows) const;
 
   std::filesystem::path file_;
-  std::optional<SqlStatement> singles_, batches_;  ///< empty: no such table, or all read
+  std::optional<SqlStatement> singles_, batches_;  ///< empty without such a table, or when all rows
+                                                   ///< are read
   BatchRows rows_;
-  std::vector<JournalRecord> batch_;  ///< decoded
-  std::size_t at_ = 0;                ///< in batch_
+  std::vector<JournalRecord> batch_;  ///< decoded records
+  std::size_t at_ = 0;                ///< index in batch_
   std::uint64_t last_ = 0;
-  std::uint64_t count_ = 0;  ///< number of the last record of the rows read so far
+  std::uint64_t count_ = 0;  ///< last record of the rows read so far
   std::uint64_t from_ = 1;
 };
 
 /// The records of a journal, participant by participant, each in sequence. SQLite sorts them in a
-/// temporary file, which vanishes with this.
+/// temporary file, which is deleted with this object.
 class SortedRecords {
  public:
   /// Reads all rows. Fails soon after a stop was requested.
@@ -70,12 +71,11 @@ class SortedRecords {
   SqlStatement rows_;  // destroyed before the database
 };
 
-/// Returns the first record of the last batch up to record `from` that can be read without those
-/// before it; 0 if there is none, as in a journal whose record `from` is a single row, and for the
-/// first record.
+/// Returns the first record of the last restarting batch that begins at or before record `from`; 0
+/// if there is none, e.g. if record `from` is a single row of version 1.
 SqlResult<std::int64_t> restart_before(SqlDatabase& database, std::uint64_t from);
-/// The present row of a query of first, count, wall_ms, span_ms, bytes and crc of `batches`; its
-/// bytes are valid until the next step.
+/// Returns the current row of a query for first, count, wall_ms, span_ms, bytes and crc of
+/// `batches`. Its bytes are valid until the next step.
 BatchRow batch_of(const SqlStatement& row);
 /// Returns the sequence of the last record of a journal; 0 if it has none.
 SqlResult<std::uint64_t> last_record(SqlDatabase& database);

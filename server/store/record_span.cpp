@@ -28,7 +28,7 @@ std::expected<BatchRow, std::string> take_span_row(std::span<const std::byte>& s
   row.crc = static_cast<std::int32_t>(in.get<std::uint32_t>());
   row.bytes = in.get_bytes(in.get<std::uint32_t>());
   if (in.truncated()) return std::unexpected("the span ends within a row of records");
-  // Others would only be found when the row is decoded, after sums with them.
+  // Further errors are found when the row is decoded, but these would affect sums before that.
   if (row.head.first == 0 || row.head.count == 0 || row.head.count > kBatchRecordsMax ||
       row.head.first > std::uint64_t{1} << 63U) {
     return std::unexpected("the numbers of a row of records are invalid");

@@ -15,7 +15,7 @@
 namespace kerf {
 namespace {
 
-/// Bounds of a batch: times within it are interpolated.
+/// Bounds of a batch, whose record times are interpolated.
 constexpr std::size_t kRecordsMax = 4096;
 constexpr std::int64_t kSpanMs = 20;
 
@@ -38,7 +38,7 @@ std::expected<SalvageWriter, JournalError> SalvageWriter::create(const std::file
         JournalError{JournalErrorCode::kExists, file.string(), 0, "the file already exists"});
   }
   const auto unfinished = unfinished_file(file);
-  remove_journal(unfinished);  // which a crash may have left
+  remove_journal(unfinished);  // possibly left by a crash
   auto database = create_journal(unfinished, header, CreateMode::kCopy);
   if (!database) return std::unexpected(database.error());
   SalvageWriter writer(file, unfinished, *std::move(database));
@@ -156,7 +156,7 @@ std::expected<void, JournalError> SalvageWriter::finish() {
         error == std::errc::file_exists ? JournalErrorCode::kExists : JournalErrorCode::kIo;
     return std::unexpected(JournalError{code, file_.string(), 0, error.message()});
   }
-  remove_journal(std::exchange(unfinished_, {}));  // a log that a reader has left
+  remove_journal(std::exchange(unfinished_, {}));  // a log left by a reader
   return {};
 }
 

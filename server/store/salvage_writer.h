@@ -12,11 +12,11 @@
 
 namespace kerf {
 
-/// Writes the journal that is made from the readable parts of a damaged one. All of it is one
-/// transaction; without finish() no file stays.
+/// Writes a journal made from the readable parts of a damaged one, in one transaction. Without
+/// finish() no file remains.
 class SalvageWriter {
  public:
-  /// `header`: with its files (journal_base.h) and its epoch. `file` must not exist.
+  /// `header` must have its files (journal_base.h) and its epoch. `file` must not exist.
   static std::expected<SalvageWriter, JournalError> create(const std::filesystem::path& file,
                                                            const JournalHeader& header);
   SalvageWriter(SalvageWriter&& other) noexcept;
@@ -25,15 +25,15 @@ class SalvageWriter {
 
   /// Appends the next record, with its time.
   std::expected<void, JournalError> append(const JournalRecord& record, bool begins_stroke);
-  /// Copies all that is no record and belongs to records up to `last`; hashes and versions only
-  /// from record `first` on, hashes only before `hashes_end`. Returns a sentence for each part that
-  /// cannot be read.
+  /// Copies all rows other than records that belong to records up to `last`: hashes and versions
+  /// only from record `first` on, hashes only before `hashes_end`. Returns a sentence for each
+  /// unreadable part.
   std::expected<std::vector<std::string>, JournalError> copy_rest(const std::filesystem::path& from,
                                                                   const JournalReader& journal,
                                                                   std::uint64_t first,
                                                                   std::uint64_t last,
                                                                   std::uint64_t hashes_end);
-  /// Commits all of it to a file of another name, and returns that.
+  /// Commits to a temporary file and returns its path.
   std::expected<std::filesystem::path, JournalError> commit();
   /// Gives the committed file its name.
   std::expected<void, JournalError> finish();
@@ -46,11 +46,11 @@ class SalvageWriter {
   std::expected<void, JournalError> write_batch();
   std::unexpected<JournalError> failed(const SqlError& error) const;
 
-  std::filesystem::path file_, unfinished_;  ///< the latter is empty at the end
+  std::filesystem::path file_, unfinished_;  ///< the latter is empty once finished
   std::optional<SqlDatabase> database_;
   BatchEncoder encoder_;
   BatchHead head_;
-  std::vector<BatchRecord> records_;  ///< of the batch that is being collected
+  std::vector<BatchRecord> records_;  ///< of the batch being collected
 };
 
 }  // namespace kerf

@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-/// Steps of SQLite's virtual machine, a dozen for each row, after which it looks for a stop.
+/// Steps of SQLite's virtual machine, a dozen for each row, between two checks for a stop.
 constexpr int kStepsBetweenStops = 10'000;
 
 SqlError last_error(sqlite3* database) {
@@ -20,8 +20,8 @@ SqlError last_error(sqlite3* database) {
   return {sqlite3_extended_errcode(database), sqlite3_errmsg(database)};
 }
 
-/// Whether nobody can change what the file says: it is on a file system that is mounted read-only,
-/// and has no write-ahead log.
+/// Whether a file cannot change: its file system is mounted read-only, and it has no write-ahead
+/// log.
 bool is_frozen(const std::filesystem::path& file) {
   struct statvfs system{};
   if (statvfs(file.c_str(), &system) != 0 || (system.f_flag & ST_RDONLY) == 0) return false;
@@ -30,8 +30,8 @@ bool is_frozen(const std::filesystem::path& file) {
   return missing || log_bytes == 0;
 }
 
-/// The name by which SQLite opens a file that does not change: without a log, and without the
-/// shared memory beside it, which needs a folder that can be written.
+/// Returns the URI with which SQLite opens an immutable file, without a log and without shared
+/// memory next to it, which would need a writable folder.
 std::string frozen_name(const std::filesystem::path& file) {
   std::string name = "file:";
   for (const char byte : file.string()) {
@@ -63,7 +63,7 @@ void SqlStatement::bind(int parameter, std::string_view text) {
                       SQLITE_UTF8);
 }
 void SqlStatement::bind(int parameter, std::span<const std::byte> blob) {
-  // A null pointer would be NULL, which a column may not take.
+  // A null pointer would mean NULL, which the column may reject.
   const void* bytes = blob.empty() ? static_cast<const void*>("") : blob.data();
   sqlite3_bind_blob64(statement_.get(), parameter, bytes, blob.size(), SQLITE_TRANSIENT);
 }
@@ -94,7 +94,7 @@ std::span<const std::byte> SqlStatement::blob(int column) const {
 }
 
 SqlResult<SqlDatabase> SqlDatabase::open(const std::filesystem::path& file, SqlMode mode) {
-  // Readers open for writing too: the first connection after a crash must recover the write-ahead
+  // Open for writing even to read: the first connection after a crash must recover the write-ahead
   // log.
   int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | SQLITE_OPEN_READWRITE;
   if (mode == SqlMode::kCreate) flags |= SQLITE_OPEN_CREATE;

@@ -16,7 +16,7 @@ struct sqlite3_stmt;
 
 namespace kerf {
 
-/// An error of SQLite; `code` is its extended result code.
+/// An error of SQLite. `code` is its extended result code.
 struct SqlError {
   int code = 0;
   std::string reason;
@@ -27,13 +27,14 @@ using SqlResult = std::expected<T, SqlError>;
 /// True if the file is damaged or not a database.
 bool is_damage(const SqlError& error);
 
-/// A prepared statement. Parameters count from 1, columns from 0.
+/// A prepared statement. Parameters are numbered from 1, columns from 0.
 class SqlStatement {
  public:
   void bind(int parameter, std::int64_t value);
   void bind(int parameter, std::string_view text);
   void bind(int parameter, std::span<const std::byte> blob);
-  /// Advances to the next row; false after the last one. Then the statement can be bound again.
+  /// Advances to the next row. Returns false after the last one; the statement can then be bound
+  /// again.
   SqlResult<bool> step();
   std::int64_t integer(int column) const;
   std::string text(int column) const;
@@ -54,11 +55,11 @@ enum class SqlMode { kRead, kWrite, kCreate };
 class SqlDatabase {
  public:
   static SqlResult<SqlDatabase> open(const std::filesystem::path& file, SqlMode mode);
-  /// Makes statements fail soon after a stop was requested, also while they sort.
+  /// Makes statements, including sorting ones, fail soon after a stop was requested.
   void end_on(std::stop_token stop);
   SqlResult<void> execute(const std::string& sql);
   SqlResult<SqlStatement> prepare(std::string_view sql);
-  /// Returns the first column of the first row of a query; an error if there is no row.
+  /// Returns the first column of the first row of a query. Fails if there is no row.
   SqlResult<std::int64_t> integer(std::string_view sql);
   SqlResult<bool> has_table(std::string_view name);
 

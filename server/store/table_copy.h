@@ -8,9 +8,9 @@
 
 namespace kerf {
 
-/// Copies the rows of a table of a journal (journal_tables.h) into another journal, which gets the
-/// table if it lacks it: all rows, or those for which the expression `where` holds. After an error,
-/// as of a damaged page, the rows before it are there.
+/// Copies the rows of a journal's table (journal_tables.h), or those that satisfy the expression
+/// `where`, into another journal. Creates the table if it is missing. After an error, e.g. a
+/// damaged page, the rows before it are copied.
 SqlResult<void> copy_table(SqlDatabase& from, SqlDatabase& to, std::string_view name,
                            const std::string& where);
 

@@ -10,7 +10,7 @@ namespace {
 
 using Words = std::array<std::uint32_t, kTileColumns>;
 
-/// Codes of normals are at least this, or kStockNormal.
+/// Minimum normal code, except for kStockNormal.
 constexpr NormalCode kNormalMin = 0x10000;
 
 std::uint32_t fold_word(std::uint32_t difference) {
@@ -25,7 +25,7 @@ std::uint16_t unfold_half(std::uint16_t folded) {
   return static_cast<std::uint16_t>((unsigned{folded} >> 1U) ^ (0U - (folded & 1U)));
 }
 
-/// The depth that a plane through the neighbors before it gives a column.
+/// Predicts the depth of a column from a plane through the neighbors before it.
 template <class Depths>
 std::uint32_t predict_depth(const Depths& depths, std::size_t c) {
   const auto at = [&](std::size_t n) { return static_cast<std::uint32_t>(depths[n]); };
@@ -35,7 +35,7 @@ std::uint32_t predict_depth(const Depths& depths, std::size_t c) {
   return has_below ? at(c - kTileSide) : 0;
 }
 
-/// The four bytes of each word, the lowest ones of all words first: equal bytes come together.
+/// Splits words into byte planes, lowest bytes first, so that equal bytes come together.
 void put_planes(const Words& words, std::vector<std::byte>& out) {
   const std::size_t first = out.size();
   out.resize(first + 4 * words.size());
@@ -77,7 +77,7 @@ bool get_depths(ByteReader& in, std::array<std::int32_t, kTileColumns>& depths) 
   return true;
 }
 
-/// The code of an end; an element that is empty may have any.
+/// Returns the code of an end. An empty element may have any code.
 NormalCode plain(NormalCode code) { return code < kNormalMin ? kStockNormal : code; }
 bool is_plain(EndCodes codes) {
   return plain(codes.bottom) == codes.bottom && plain(codes.top) == codes.top;
@@ -122,7 +122,7 @@ bool for_split_columns(const DexelTile& tile, Visit&& visit) {
   return true;
 }
 
-/// Whether elements are sorted and disjoint, and lie above `from` and not above `to`.
+/// Whether elements are sorted and disjoint, above `from` and not above `to`.
 bool are_ordered(std::span<const Dexel> elements, std::int32_t from, std::int32_t to) {
   for (const Dexel& element : elements) {
     if (element.bottom < from || element.top <= element.bottom || element.top > to) return false;

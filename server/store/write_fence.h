@@ -8,18 +8,18 @@
 
 namespace kerf {
 
-/// Until when a process may add records to a journal that another machine may continue after that
-/// time. It ends by itself: a process that was stopped, or cannot reach anybody, learns of it from
-/// its own clock. Thread-safe.
+/// The time until which a process may add records to a journal that another machine may continue
+/// afterwards. It expires by the local clock, so it also stops a process that was suspended or is
+/// isolated. Thread-safe.
 class WriteFence {
  public:
-  /// Moves the end to `ns` of Clock::boot_ns(); never back.
+  /// Extends the time to `ns` of Clock::boot_ns(). Never shortens it.
   void extend(std::int64_t ns) {
     std::int64_t end = end_ns_.load();
     while (end < ns && !end_ns_.compare_exchange_weak(end, ns)) {
     }
   }
-  /// For good: another process has the journal.
+  /// Closes the fence for good: another process has the journal.
   void end() { ended_.store(true); }
   bool is_open() const { return !ended_.load() && Clock::boot_ns() < end_ns_.load(); }
 

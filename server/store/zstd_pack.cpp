@@ -29,7 +29,7 @@ std::span<const std::byte> ZstdPack::pack(std::span<const std::byte> bytes) {
   buffer_.resize(ZSTD_compressBound(bytes.size()));
   const std::size_t size = ZSTD_compressCCtx(contexts_->compress, buffer_.data(), buffer_.size(),
                                              bytes.data(), bytes.size(), 1);
-  // The only failure of a compression into a buffer of the bound is a lack of memory.
+  // With a buffer of the bound's size, compression can only fail for lack of memory.
   if (ZSTD_isError(size) != 0) throw std::bad_alloc();
   return std::span(buffer_).first(size);
 }

@@ -9,8 +9,8 @@
 
 namespace kerf {
 
-/// Compresses and decompresses with Zstandard (RFC 8878), at its fastest usual level. Reuses its
-/// memory from call to call.
+/// Compresses and decompresses with Zstandard (RFC 8878) at its fastest usual level. Reuses its
+/// memory between calls.
 class ZstdPack {
  public:
   ZstdPack();
@@ -19,8 +19,8 @@ class ZstdPack {
 
   /// The result is valid until the next call.
   std::span<const std::byte> pack(std::span<const std::byte> bytes);
-  /// Returns the `size` bytes of a frame, valid until the next call; nullopt if it is not one of
-  /// that many bytes. The frame need not state its size.
+  /// Returns the `size` bytes of a frame, valid until the next call. Nullopt if the frame is
+  /// malformed or of another size. It need not state its size.
   std::optional<std::span<const std::byte>> unpack(std::span<const std::byte> frame,
                                                    std::size_t size);
 
