@@ -36,7 +36,7 @@ const std::vector<Module>& agent_modules() {
       {"haptic_agent/guides",
        {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/formats/guide.h",
         "server/formats/guide_reader.h", "haptic_agent/device", "haptic_agent/servo"}},
-      // Recordings of the loop, and playing them.
+      // Recordings of the loop and their playback.
       {"haptic_agent/record",
        {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "server/store/crc32.h",
         "server/store/zstd_pack.h", "server/formats/guide.h", "haptic_agent/realtime",
@@ -87,7 +87,7 @@ const std::vector<Module>& kernel_modules() {
 const std::vector<Module>& other_modules() {
   static const std::vector<Module> kModules = {
       {"kernel", {}},
-      // Time and random numbers: needs nothing, and whoever decides by them may use it.
+      // Time and random numbers. Depends on nothing; any module that needs either may use it.
       {"server/platform", {}},
       {"server/wire", {"kernel/math/vec3.h"}},
       {"server/datagram", {"server/platform", "server/wire"}},
@@ -95,7 +95,7 @@ const std::vector<Module>& other_modules() {
       {"server/websocket", {"server/tls"}},
       {"server/log", {}},
       {"server/formats", {"kernel"}},
-      // Not even the session's header: what runs work knows nothing of what it runs.
+      // Not even the session's header: threads know nothing about the work they run.
       {"server/threads", {"kernel/cut/workers.h", "server/log", "server/platform"}},
       {"server/verify", {"kernel", "server/formats", "server/platform"}},
       {"server/picture", {"kernel"}},
@@ -134,7 +134,7 @@ const std::vector<Module>& other_modules() {
        {"kernel", "server/wire", "server/formats", "server/platform", "server/verify",
         "server/picture", "server/store", "server/history", "server/session", "server/metrics",
         "server/rights", "server/socket", "server/tls", "server/websocket", "server/threads"}},
-      // The matters, which the folders above do not know.
+      // The matters, unknown to the folders above.
       {"server/pins",
        {"kernel/math/vec3.h", "server/platform", "server/rights", "server/store", "server/session",
         "server/http", "server/threads/run_and_wait.h", "server/wire/limits.h"}},
@@ -142,7 +142,7 @@ const std::vector<Module>& other_modules() {
        {"server/platform", "server/rights", "server/store", "server/session", "server/http",
         "server/threads/run_and_wait.h"}},
       {"server", {"kernel"}},
-      // Programs, scenes, models and journals, for a page that carves by itself.
+      // Programs, scenes, models and journals for a page that carves without a server.
       {"web/wasm/files",
        {"kernel", "server/formats", "server/verify", "server/store", "server/history",
         "server/wire", "server/convert", "server/feed/column_digest.h",

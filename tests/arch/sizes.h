@@ -12,8 +12,8 @@ inline constexpr std::size_t kColumnsMax = 100;
 inline constexpr std::size_t kFileLinesMax = 400;  ///< the aim is 300: one idea a file
 inline constexpr std::size_t kFunctionLinesMax = 70;
 
-/// Lines and functions that are too long (C++; functions are found by their braces), and files that
-/// are too long (C++ and TypeScript). A line may be long because of a raw literal.
+/// Returns lines and functions that are too long (C++; functions are found by their braces), and
+/// files that are too long (C++ and TypeScript). Raw literals may make a line long.
 std::vector<Violation> check_sizes(const Source& source);
 
 }  // namespace kerf::arch

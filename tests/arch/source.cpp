@@ -23,8 +23,7 @@ bool is_skipped(const fs::path& folder) {
   return kSkipped.contains(folder.filename().string());
 }
 
-// Where the literal or comment that begins at `at` ends (one past it); `at` itself if none begins
-// there.
+// Returns one past the end of the literal or comment that begins at `at`; `at` itself if none does.
 std::size_t end_of_blank(std::string_view text, std::size_t at) {
   const auto past = [&](std::string_view mark, std::size_t from) {
     const std::size_t found = text.find(mark, from);

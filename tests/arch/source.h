@@ -15,10 +15,10 @@ struct Source {
   std::string text;
 };
 
-/// A place that breaks a rule, and why the rule stands.
+/// A violation of a rule: its location and the reason for the rule.
 struct Violation {
   std::string path;
-  std::size_t line = 0;  ///< from 1; 0: the file or folder as a whole
+  std::size_t line = 0;  ///< from 1; 0 for the file or folder as a whole
   std::string reason;
 };
 
@@ -26,14 +26,13 @@ struct Violation {
 /// without build outputs and fetched packages.
 std::vector<Source> load_tree(const std::filesystem::path& root);
 
-/// The text with comments and the contents of literals blanked out; lines and columns stay where
-/// they were.
+/// Blanks out comments and the contents of literals. Lines and columns keep their positions.
 std::string code_only(std::string_view text);
 
-/// The lines of a text, without their ends.
+/// The lines of a text, without line ends.
 std::vector<std::string_view> lines_of(std::string_view text);
 
-/// The number, from 1, of the line that holds this offset.
+/// Returns the number, from 1, of the line that contains this offset.
 std::size_t line_at(std::string_view text, std::size_t offset);
 
 bool is_cpp(std::string_view path);         ///< .h or .cpp

@@ -9,8 +9,8 @@ namespace kerf::arch {
 namespace {
 
 struct Ban {
-  std::string_view place;   ///< prefix of the path; empty: everywhere
-  std::string_view except;  ///< prefix of the path that is exempt; empty: no exemption
+  std::string_view place;   ///< prefix of the path; empty for everywhere
+  std::string_view except;  ///< prefix of the path that is exempt; empty for no exemption
   bool code;                ///< match code only, not comments and literals
   std::regex pattern;
   std::string_view reason;
@@ -44,7 +44,7 @@ const std::vector<Ban>& bans() {
   return kBans;
 }
 
-// The clocks of the standard library may be named in types of times, and read nowhere.
+// Clocks of the standard library may be named in types of times but never read.
 constexpr const char* kClock =
     R"(\b((steady|system|high_resolution|file|utc|tai|gps)_clock\b)"
     R"((?!\s*(::\s*(time_point|duration)\b|[,>]))|clock_type\s*::\s*now\b)"
@@ -53,7 +53,7 @@ constexpr const char* kClock =
 constexpr const char* kRandom = R"(\b((random_device|RAND_\w+|arc4random\w*)\b|openssl/rand\.h\b)"
                                 R"(|(getrandom|getentropy|s?rand(om)?(_r)?|[dejlmn]rand48)\s*\())";
 
-// What decides by itself when a run is repeated with the same input.
+// Sources of nondeterminism: a run must repeat exactly with the same input.
 const std::vector<Ban>& outside_bans() {
   static const std::vector<Ban> kBans = [] {
     constexpr std::string_view kServer = "server/", kPlatform = "server/platform/";
@@ -73,7 +73,7 @@ const std::vector<Ban>& outside_bans() {
   return kBans;
 }
 
-// Also the folder of what the servo thread shares with other threads.
+// Includes the folder that the servo thread shares with other threads.
 constexpr std::string_view kRealtime[] = {"haptic_agent/servo/", "haptic_agent/realtime/"};
 
 const std::vector<Ban>& realtime_bans() {

@@ -7,8 +7,8 @@
 
 namespace kerf::arch {
 
-/// Returns the places where a retired word stands, as a word or as part of an identifier, in code,
-/// comments, texts and documents. CONTRIBUTING.md has the glossary of the words to use.
+/// Returns the occurrences of retired words, alone or in identifiers, in code, comments, texts and
+/// documents. CONTRIBUTING.md has the glossary of the words to use.
 std::vector<Violation> check_words(const Source& source);
 
 }  // namespace kerf::arch

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rights of a session at the server that goes on with it.
+// The rights of a session at the server that takes it over.
 #include <gtest/gtest.h>
 
 #include "server/rights/access.h"
@@ -10,7 +10,7 @@ namespace {
 
 const std::string kAdmin = "0123456789abcdef0123456789abcdef";
 
-/// What an owner reports, as a journal keeps it.
+/// Stores the reports of an owner as a journal does.
 class KeptRights {
  public:
   void take(AttachmentChange change) {
@@ -68,7 +68,7 @@ TEST_F(AccessMoveTest, AnotherServerHasTheRightsOfTheAttachments) {
   EXPECT_TRUE(other->redeem(open.token, "block", "Zoe")) << "an unused link is used there";
   other = *Access::open({.folder = elsewhere.path(), .admin_token = kAdmin});
   EXPECT_EQ(other->regions("block").size(), 1U) << "also after a restart there";
-  // What is reported is no secret: the token is not in it.
+  // Reports contain no secret: the token is not in them.
   const std::string secret = pass.token.substr(pass.token.rfind('_') + 1);
   for (const Attachment& one : kept.list) {
     const std::string text(reinterpret_cast<const char*>(one.bytes.data()), one.bytes.size());

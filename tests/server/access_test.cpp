@@ -119,7 +119,7 @@ TEST_F(AccessTest, AnInvitationIsUsedAsOftenAsItsOwnerSays) {
   ASSERT_TRUE(ada);
   EXPECT_EQ(ada->grant.uses, 0);
   ASSERT_TRUE(access->redeem(invitation.token, "block", "Grace"));
-  // Who was removed does not come back by the same link, not even after a restart.
+  // A removed person cannot return through the same link, even after a restart.
   ASSERT_TRUE(access->revoke("block", ada->grant.id));
   EXPECT_EQ(access->redeem(invitation.token, "block", "Ada").error().fault, AccessFault::kLimit);
   reopen();
@@ -201,7 +201,7 @@ TEST_F(AccessTest, PersonsHaveDifferentLastingColors) {
     const auto by_name = access->invite("block", {.role = Role::kSculptor, .name = name}).value();
     const std::string color = by_name.grant.color;
     EXPECT_EQ(access->redeem(by_name.token, "block", "").value().grant.color, color);
-    // An agent comes with the invitation itself, each time.
+    // An agent presents the invitation itself each time.
     EXPECT_EQ(access->identify(by_name.token, "block").color, color);
     colors.insert(color);
     colors.insert(access->redeem(invite(Role::kWatcher).token, "block", "").value().grant.color);
@@ -234,7 +234,7 @@ TEST_F(AccessTest, DecisionsAboutOneHolderOfASharedLinkLeaveTheOthersAlone) {
   ASSERT_TRUE(access->set_muted(one.grant.id, true));
   EXPECT_FALSE(access->identify(two.token, "block").is_muted);
   EXPECT_EQ(access->root_of(one.grant.id), one.grant.id);
-  // Who gives ownership away does not get it back from the link.
+  // A person who gives ownership away does not regain it through the link.
   ASSERT_TRUE(access->step_down(one.grant.id, Role::kSculptor));
   EXPECT_EQ(access->identify(one.token, "block").role, Role::kSculptor);
   EXPECT_EQ(access->identify(two.token, "block").role, Role::kOwner);

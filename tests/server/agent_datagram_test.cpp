@@ -14,7 +14,7 @@ const wire::Result& result_of(const wire::Message& message) {
 
 class UdpOffer : public ConversationTest {
  protected:
-  /// The first message to an agent that says so.
+  /// Returns the first message to an agent with this hello.
   nlohmann::json answer_to(const char* hello) {
     const auto ada = agent();
     send_text(*ada, hello);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The poses of other tools near an agent's, which are sent ahead of the tiles that they cut.
+// The poses of nearby tools, which are sent to an agent before the tiles that these tools cut.
 #include "tests/server/conversation_fixture.h"
 
 namespace kerf::net {
@@ -15,7 +15,7 @@ class AgentIntentTest : public ConversationTest {
     bob = join(*session, "Bob");
     drain(*ada);
   }
-  /// Ada cuts at x = -10, Bob at `x_mm`, a millisecond later. Returns what Ada is sent.
+  /// Ada cuts at x = -10, Bob at `x_mm` a millisecond later. Returns the poses sent to Ada.
   std::vector<wire::Intents> step(double x_mm) {
     now += milliseconds(1);
     y_mm += 0.01;
@@ -58,7 +58,7 @@ TEST_F(AgentIntentTest, AToolThatLeavesIsListedNoMore) {
   begin(R"({"type":"hello","intent":true})");
   step(0);
   for (int ms = 0; ms < 20; ++ms) step(0);
-  // 26 mm beside Ada's tool are 16 mm between the balls; then 31 mm.
+  // A distance of 26 mm between the tools leaves 16 mm between the balls. Then 31 mm.
   move(*session, bob, 31, y_mm, -1);
   int frames = 0;
   for (int ms = 0; ms < 40; ++ms) {
@@ -86,7 +86,7 @@ TEST_F(AgentIntentTest, ARejectedMotionDoesNotCut) {
   step(0);
   int frames = 0;
   for (int ms = 0; ms < 40; ++ms) {
-    // 10 m/s to and fro.
+    // Back and forth at 10 m/s.
     for (const wire::Intents& sent : step(ms % 2 == 0 ? 0 : 10)) {
       EXPECT_EQ(sent.tools[0].status, 0U);
       ++frames;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Invalid messages of an agent: each has its error, and the session continues.
+// Invalid messages of an agent: each gets its error, and the session continues.
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -22,7 +22,7 @@ class AgentMistakes : public ConversationTest {
     join_agent(*mallory, R"({"type":"hello","name":"Mallory"})");
     join_agent(*ada);
   }
-  /// A copy of `bytes` with one field replaced.
+  /// Copies `bytes` with one field replaced.
   static Bytes with(Bytes bytes, std::size_t place, std::uint32_t value) {
     std::memcpy(bytes.data() + place, &value, sizeof value);
     return bytes;
@@ -53,7 +53,7 @@ class AgentMistakes : public ConversationTest {
   std::unique_ptr<AgentConversation> mallory, ada;
 };
 
-/// Places of fields in a frame: those of its header, and the number of its samples.
+/// Offsets of fields in a frame: in its header, and the number of its samples.
 constexpr std::size_t kMagicAt = 0, kTypeAt = 4, kPayloadAt = 8, kCountAt = 32;
 
 TEST_F(AgentMistakes, EachFrameHasItsErrorAndBothGoOn) {
@@ -72,7 +72,7 @@ TEST_F(AgentMistakes, EachFrameHasItsErrorAndBothGoOn) {
     after.time_us = before.time_us;
     return moves({before, after});
   };
-  // Samples are made when they are sent: those with a number that has come before are skipped.
+  // Create samples when they are sent: those with an earlier number are skipped.
   const std::pair<std::function<Bytes()>, const char*> rows[] = {
       {[&] { return Bytes(7, std::byte{'g'}); }, "bad_frame"},
       {[&] { return with(one, kMagicAt, 0x12345678); }, "bad_frame"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is durable, and agents that continue as the same participant.
+// Durability of samples, and agents that continue as the same participant.
 #include <fstream>
 #include <iterator>
 
@@ -110,7 +110,7 @@ TEST_F(AgentResumeTest, TheFirstStockStatesTheNewestSampleThatTheSessionKnows) {
   send_text(*ada, nlohmann::json{{"type", "hello"}, {"stock", true}, {"resume", token}}.dump());
   drain(*ada);
   send(*ada, encoded(path));
-  // The replica cuts what is later again. All of these are in the stock, unless they were undone.
+  // The replica cuts later samples again. All of these are in the stock unless they were undone.
   std::vector<std::uint64_t> times_us;
   for (const OutFrame& frame : drain(*ada)) {
     const auto message = wire::decode(frame.bytes);

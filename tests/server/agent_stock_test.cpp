@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// When the replica of an agent is updated.
+// Updates of an agent's replica.
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -25,7 +25,7 @@ TEST_F(AgentStockTest, TheReplicaIsUpdatedAtMostEveryTwentyMilliseconds) {
   std::uint64_t acked = 0;
   for (int ms = 0; ms < 400; ++ms) {
     now += milliseconds(1);
-    // Without the other participant the replica would soon be complete.
+    // Keeps changing the stock. Otherwise the replica would soon be complete.
     move(*session, other, -15 + 0.09 * ms, 1 + std::sin(0.3 * ms), -1.5 - 0.002 * ms);
     wire::MotionBatch moves;
     moves.samples.at(moves.count++) = next(-19 + 0.09 * ms, 0, -1);
@@ -64,9 +64,9 @@ class ReplicaTest : public ConversationTest {
     moves.samples.at(moves.count++) = next(0, 0, -1);
     send(*ada, encoded(moves));
   }
-  /// The other participant cuts beside the tool.
+  /// Lets the other participant cut next to the tool.
   void cut(int n) { move(*session, other, -2 + 0.2 * n, 1, -1.5 - 0.01 * n); }
-  /// The number of the stock frame that has been sent.
+  /// Returns the number of the stock frame sent, if any.
   std::optional<std::uint64_t> stock_frame() {
     std::optional<std::uint64_t> number;
     for (const OutFrame& frame : drain(*ada)) {
@@ -79,7 +79,7 @@ class ReplicaTest : public ConversationTest {
   ParticipantId other = 0;
 };
 
-/// Of the whole block.
+/// An agent with a replica of the whole block.
 class CopyTest : public ReplicaTest {
  protected:
   CopyTest() { hello = R"({"type":"hello","stock":true,"whole":true})"; }
@@ -100,7 +100,7 @@ TEST_F(ReplicaTest, ACutBetweenTwoUpdatesIsSentWhenTheNextOneIsDue) {
   now += AgentConversation::kStockInterval / 4;
   sample();
   EXPECT_FALSE(stock_frame());
-  // The agent rests from now on, but for its pings.
+  // From now on the agent only sends pings.
   now += AgentConversation::kStockInterval;
   send(*ada, encoded(wire::Ping{}));
   EXPECT_TRUE(stock_frame());
@@ -109,7 +109,7 @@ TEST_F(ReplicaTest, ACutBetweenTwoUpdatesIsSentWhenTheNextOneIsDue) {
 TEST_F(ReplicaTest, ACutIsSentWhenAFrameBeforeItHasArrived) {
   std::uint64_t sent = 0;
   int n = 1;
-  for (bool more = true; more;) {  // until as many frames are in flight as are allowed
+  for (bool more = true; more;) {  // until the maximum number of frames is in flight
     cut(n++);
     sample();
     const auto frame = stock_frame();

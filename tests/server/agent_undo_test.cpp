@@ -10,7 +10,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Agents that undo, in a session whose long work is done on another thread.
+/// Agents that undo in a session whose long work runs on another thread.
 class AgentUndo : public SessionUndo {
  protected:
   void SetUp() override {
@@ -40,7 +40,7 @@ class AgentUndo : public SessionUndo {
     }
     return list;
   }
-  /// Does the long work on another thread, and the session's turns meanwhile.
+  /// Does the long work on another thread, and the session's turns in the meantime.
   void work() {
     auto done = std::async(std::launch::async, [this] { workers_.run(); });
     while (done.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) {
@@ -100,7 +100,7 @@ class ReplicaOwner {
         epoch_(session->epoch()) {
     agent_.receive(std::as_bytes(std::span(hello)), true, now_);
   }
-  /// Sends samples until no stock frame comes any more; returns those that came.
+  /// Sends samples until no more stock frames arrive. Returns the frames.
   std::vector<wire::StockPatch> stock_frames() {
     std::vector<wire::StockPatch> all;
     for (bool more = true; more;) {

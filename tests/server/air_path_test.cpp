@@ -57,7 +57,7 @@ TEST(AirSpace, ExcludesTurningAxesFeltMotionsAndScenesWithObstacles) {
   EXPECT_FALSE(AirSpace(settings).contains(move, kTool));
 }
 
-/// No motion of the air space removes anything from a block.
+/// No motion in the air space removes anything from the block.
 TEST(AirSpace, MotionsInItRemoveNothing) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> at(-60, 60);
@@ -86,7 +86,7 @@ TEST(AirSpace, MotionsInItRemoveNothing) {
 TEST(AirPath, JoinsAStraightLineAtOneSpeed) {
   AirPath path;
   for (int i = 0; i < 100; ++i) {
-    // As a sampler rounds the points of a slanted line.
+    // Points of a slanted line, rounded as by a sampler.
     const auto at = [](int n) {
       return Vec3{std::round(n * 1e6 / 7) / 1e6, std::round(n * 1e6 / 3) / 1e6, 5};
     };

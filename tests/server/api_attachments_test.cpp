@@ -48,7 +48,7 @@ class ApiAttachmentsTest : public ApiRightsTest {
  protected:
   void SetUp() override {
     ApiRightsTest::SetUp();
-    // As a server that opens its session, with rights from before attachments.
+    // Reopen as a server whose rights predate attachments.
     ASSERT_TRUE(registry->close("block", false));
     LoadReport report;
     session = *registry->reopen(registry->closed().front().name, report);
@@ -63,7 +63,7 @@ class ApiAttachmentsTest : public ApiRightsTest {
     EXPECT_EQ(response.status, 201U) << response.body;
     return Json::parse(response.body);
   }
-  /// The journal as it is on the disk now, as another server gets it.
+  /// Copies the journal in its present state on the disk to another server.
   void move_to(OtherServer& other) {
     std::filesystem::remove(other.folder / "block.kerf");
     ASSERT_TRUE(copy_journal(session->journal_file(), other.folder / "block.kerf"));

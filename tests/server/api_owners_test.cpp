@@ -11,11 +11,11 @@ namespace {
 
 using Point = std::array<float, 6>;
 
-/// The stock of the session is 40 x 40 x 20, from -20 to 20 and from -20 to 0; tool 1 is a ball of
+/// The stock of the session is 40 x 40 x 20, from -20 to 20 and from -20 to 0. Tool 1 is a ball of
 /// 10 mm.
 class ApiOwnersTest : public ApiRightsTest {
  protected:
-  /// A groove along X, 2 mm deep, a second after what the participant has done before.
+  /// Cuts a groove along X, 2 mm deep, a second after the participant's previous cut.
   void groove(ParticipantId id, double y_mm) {
     for (int n = 0; n <= 100; ++n) {
       wire::MotionSample sample;
@@ -62,7 +62,7 @@ TEST_F(ApiOwnersTest, NamesWhoCutEachPoint) {
   using List = std::vector<ParticipantId>;
   EXPECT_EQ(owners({second_, untouched_, first_}), (List{grace, 0, ada}));
   const auto at = "?at=" + std::to_string(then);
-  // Its groove is air in the future only.
+  // At that time the groove at y = 5 had not been cut yet.
   EXPECT_EQ(owners({first_, {0, 5, 0, 0, 0, 1}}, at), (List{ada, 0}));
   made("POST", "/v1/sessions/block/undo?participant=" + std::to_string(ada), tokens[Role::kOwner]);
   EXPECT_EQ(owners({first_, second_}), (List{grace, grace}));

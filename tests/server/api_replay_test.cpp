@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a server sends of a journal, and what a page makes of it.
+// Replays of a journal by a page, from the server's responses.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -31,7 +31,7 @@ class ApiReplay : public ApiRightsTest {
     sent_.push_back(sample);
     ASSERT_TRUE(session->move(id, {&sample, 1}).rejections.empty());
   }
-  /// The samples that move() has sent since the last call.
+  /// Returns the samples sent by move() since the last call.
   std::vector<wire::MotionSample> take_sent() { return std::exchange(sent_, {}); }
   void stroke(ParticipantId id, Vec3 from, Vec3 to) {
     constexpr int kSteps = 30;
@@ -65,7 +65,7 @@ class ApiReplay : public ApiRightsTest {
     return bytes("records?journal=" + std::string(state.at("journal")) +
                  "&first=" + std::to_string(first) + "&last=" + std::to_string(last));
   }
-  /// Goes to a record as the page does: what the seek leaves is carved.
+  /// Goes to a record as the page does, which carves the rest after a seek.
   static void go(JournalBlock& block, std::uint64_t record, bool feels) {
     ASSERT_TRUE(block.seek(record));
     const std::uint64_t at = Json::parse(block.progress()).at("carved");
@@ -78,7 +78,7 @@ class ApiReplay : public ApiRightsTest {
     EXPECT_TRUE(block) << block.error();
     return *std::move(block);
   }
-  /// The block with all records of that state, not carved yet.
+  /// Returns the block with all records of that state, not carved yet.
   JournalBlock made_block(const Json& state) {
     JournalBlock block = read(state);
     const auto added = block.add(as_bytes(records(state, 1, state.at("record"))));
@@ -250,7 +250,7 @@ TEST_F(ApiReplay, AHandInThePageCarvesAsASessionDoes) {
   }
   EXPECT_EQ(here(), first);
 
-  // A redo ends the stroke that goes on meanwhile, so that an undo takes its second part only.
+  // A redo ends the stroke in progress, so that an undo then only undoes its second part.
   move(eve, {-10, 12, -2}, false, 1000);
   move(eve, {0, 12, -2}, true, 100);
   ASSERT_TRUE(block.carve_by_hand(take_sent(), 0, 0));
@@ -265,7 +265,7 @@ TEST_F(ApiReplay, AHandInThePageCarvesAsASessionDoes) {
   change("undo");
   EXPECT_EQ(here(), there());
 
-  // What a page saves is the journal of the same block.
+  // A page saves the journal of the same block.
   auto saved = JournalBlock::read(block.origin());
   ASSERT_TRUE(saved) << saved.error();
   ASSERT_TRUE(saved->add(block.rows()));

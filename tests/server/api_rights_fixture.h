@@ -18,7 +18,7 @@ namespace kerf::net {
 using Json = nlohmann::json;
 inline const std::string kAdmin = "0123456789abcdef0123456789abcdef";
 
-/// An executor that runs its work at once: handlers wait for the session's.
+/// An executor that runs work at once: handlers wait for the session's executor.
 class EagerExecutor final : public Executor {
  public:
   void post(Work work) override { work(); }

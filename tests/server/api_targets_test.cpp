@@ -79,7 +79,7 @@ TEST_F(ApiTargetsTest, APartOfAnotherUnitIsAskedForIt) {
   const Json answered = Json::parse(send("?name=part.stl&unit=m&shift_mm=1,0,0", metres).body);
   EXPECT_FALSE(answered.contains("questions"));
   EXPECT_NEAR(answered.at("max_mm").at(0), 21, 1e-6);
-  // The unit is kept with the file.
+  // The unit is stored with the file.
   api.reset();
   open(kAdmin, false);
   EXPECT_NEAR(distances({1, 0, 1}).at(0), 1, 1e-5);
@@ -157,7 +157,7 @@ TEST_F(ApiTargetsTest, RejectFilesAndNamesThatAreNone) {
   EXPECT_EQ(code_of(send("?name=" + std::string(65, 'x') + ".stl", part_)), "bad_name");
   EXPECT_EQ(code_of(send("?name=part.stl&shift_mm=1,2", part_)), "bad_place");
   EXPECT_EQ(code_of(send("?name=part.stl", "solid x\nendsolid x\n")), "empty");
-  // A name is no path.
+  // A name is not a path.
   EXPECT_EQ(send("?name=..%2F..%2Fpart.stl", part_).status, 201U);
   EXPECT_EQ(made("GET", kTargets, tokens[Role::kWatcher]).at("targets")[0].at("name"),
             "../../part.stl");
@@ -171,7 +171,7 @@ TEST_F(ApiTargetsTest, SayWhatIsOpen) {
 
 TEST_F(ApiTargetsTest, DistancesAreSignedAndExact) {
   send("?name=part.stl", part_);
-  // On top of the stock, inside the part, beside its upper edge, and beyond a corner.
+  // On top of the stock, inside the part, next to its upper edge, and beyond a corner.
   const auto values = distances({0, 0, 0, 0, 0, -2.5F, 23, 0, 3.5F, 23, 24, -20});
   ASSERT_EQ(values.size(), 4U);
   EXPECT_FLOAT_EQ(values[0], 0.5F);
@@ -215,7 +215,7 @@ TEST_F(ApiTargetsTest, TheDeviationIsThatOfTheBlockAtAPoint) {
   for (const auto& [name, value] : response.headers)
     if (name == "ETag") again.if_none_match = value;
   EXPECT_EQ(api->handle(again).status, 304U);
-  again.if_none_match = "*";  // any that the client has
+  again.if_none_match = "*";  // matches any file of the client
   EXPECT_EQ(api->handle(again).status, 304U);
   again.if_none_match = "\"other\"";
   EXPECT_EQ(api->handle(again).status, 200U);

@@ -36,7 +36,7 @@ TEST(ChangedColumns, AreTheRectangleThatACutHasReached) {
   const auto changed = changed_columns(before, sculpture.solid(), std::vector<TileIndex>{{2, 2}});
   ASSERT_EQ(changed.size(), 1U);
   EXPECT_EQ(changed[0].tile, (TileIndex{2, 2}));
-  // The ball has a radius of 2 mm: columns of 0.5 mm from 34 to 38, of a tile that begins at 32.
+  // The ball has a radius of 2 mm: columns of 0.5 mm from 34 to 38, in a tile that begins at 32.
   EXPECT_GE(changed[0].begin_x, 3);
   EXPECT_LE(changed[0].begin_x, 5);
   EXPECT_GE(changed[0].end_x, 10);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Requests whose session is deleted, and its id used again, while they are handled.
+// Requests whose session is deleted, and its id reused, while they are handled.
 #include <gtest/gtest.h>
 
 #include "server/store/journal_file.h"
@@ -8,7 +8,7 @@
 namespace kerf::net {
 namespace {
 
-/// Runs its work at once, and `before` the first one after it was set.
+/// Runs work at once, and runs `before` ahead of the first work after it was set.
 class InterruptedExecutor final : public Executor {
  public:
   void post(Work work) override {
@@ -39,7 +39,7 @@ class ClosedMeanwhile : public testing::Test {
     return Json::parse(response.body).at("error").at("code");
   }
   void purge() { EXPECT_EQ(ask("DELETE", "/v1/sessions/block?purge=1").status, 200U); }
-  /// What a file of a journal is while it is created: a database without tables yet.
+  /// Writes the file of a journal in creation: a database without tables.
   void begin_journal() {
     auto database = SqlDatabase::open(folder_ / "block.kerf", SqlMode::kCreate);
     ASSERT_TRUE(database);

@@ -70,7 +70,7 @@ TEST_P(ColumnDigest, ChangesWhereTheBlockDoesAndNowhereElse) {
 
 INSTANTIATE_TEST_SUITE_P(Rays, ColumnDigest, testing::Values(Rays::kDexel, Rays::kTriDexel));
 
-/// A viewer that verifies: the newest digest of each tile.
+/// A viewer that verifies digests: stores the newest digest of each tile.
 class Screen {
  public:
   Screen(TileFeed& feed, std::optional<ViewerLook> look)

@@ -28,7 +28,7 @@ class CommandLineTest : public testing::Test {
  protected:
   struct Outcome {
     std::optional<CommandLine> line;
-    int status = 0;  ///< with which the program ends without a line
+    int status = 0;  ///< exit status if the program ends without a message
     std::string said;
     std::string address() const { return line ? line->server.address : ""; }
   };

@@ -14,7 +14,7 @@ ConfigType type_of(std::string_view key) {
   return ConfigType::kUnknown;
 }
 
-/// "LINE: REASON", or "none".
+/// Returns "LINE: REASON", or "none".
 std::string fault(std::string_view text) {
   const auto found = check_types(text, type_of);
   return found ? std::to_string(found->line) + ": " + found->reason : "none";

@@ -73,7 +73,7 @@ class ConversationTest : public SessionTest {
     ASSERT_TRUE(conversation.has_joined());
     drain(conversation);
   }
-  /// Does what the owner of a viewer does with a hello.
+  /// Handles a hello like the owner of a viewer.
   void perform_join(ViewerConversation& conversation) {
     const auto action = conversation.take_action();
     ASSERT_TRUE(action);
@@ -90,7 +90,7 @@ class ConversationTest : public SessionTest {
     drain(conversation);
   }
 
-  /// Takes every frame that waits, as a peer that reads at once.
+  /// Takes all waiting frames, like a peer that reads at once.
   std::vector<OutFrame> drain(Conversation& conversation) {
     std::vector<OutFrame> frames;
     OutFrame frame;
@@ -100,7 +100,7 @@ class ConversationTest : public SessionTest {
     }
     return frames;
   }
-  /// The JSON messages among the frames that wait.
+  /// Takes the JSON messages among the waiting frames.
   std::vector<nlohmann::json> messages(Conversation& conversation) {
     std::vector<nlohmann::json> list;
     for (const OutFrame& frame : drain(conversation)) {
@@ -108,7 +108,7 @@ class ConversationTest : public SessionTest {
     }
     return list;
   }
-  /// The code of the only message that waits, which is an error.
+  /// Returns the code of the only waiting message, which must be an error.
   std::string error_code(Conversation& conversation) {
     const auto list = messages(conversation);
     if (list.size() != 1 || list[0].at("type") != "error") return "not one error message";

@@ -91,7 +91,7 @@ class ErrorCount {
 
 class ConversationFuzzTest : public ConversationTest {
  protected:
-  /// A session of its own for each seed.
+  /// Starts a new session for each seed.
   void begin(std::uint64_t seed) {
     if (seed > 0) restart();
     const auto created = registry->create("fuzz" + std::to_string(seed), kScene, SceneSource{});
@@ -175,7 +175,7 @@ class AgentRun {
     }
     agent_.refresh();
   }
-  /// Reads everything that waits.
+  /// Reads all waiting frames.
   void read() {
     OutFrame out;
     while (agent_.take(out)) {

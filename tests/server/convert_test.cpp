@@ -108,7 +108,7 @@ struct RestingBall {
     settings.force.law = law;
     return Sculpture::create(settings).value();
   }
-  /// The result of a step of 3 ms.
+  /// Returns the result of a step of 3 ms.
   wire::Result after(const ToolTrack::Step& step) {
     BatchSum sum;
     add_rest(sum, block, step, held);

@@ -19,7 +19,7 @@
 
 namespace kerf {
 
-/// Flips a bit in the middle of the row of a journal that holds a record.
+/// Flips a bit in the middle of a journal's row that contains a record.
 inline void damage_record(const std::filesystem::path& journal, std::uint64_t record) {
   auto database = SqlDatabase::open(journal, SqlMode::kWrite);
   ASSERT_TRUE(database);
@@ -37,11 +37,11 @@ inline void damage_record(const std::filesystem::path& journal, std::uint64_t re
   ASSERT_TRUE(*rows->step() == false && update->step());
 }
 
-/// The session "block", which strokes cut; a snapshot holds the first of them. A restarted server
-/// reads the records after the snapshot only.
+/// The session "block" with strokes. A snapshot has the first of them, so a restarted server only
+/// reads the records after it.
 class DamageTest : public testing::Test {
  protected:
-  /// Runs work at once, on the thread that posts it; never what is delayed.
+  /// Runs work at once on the posting thread, and never runs delayed work.
   class AtOnce final : public Executor {
    public:
     void post(Work work) override { work(); }
@@ -102,8 +102,8 @@ class DamageTest : public testing::Test {
     EXPECT_TRUE(joined);
     return joined->id;
   }
-  /// Leaves a closed journal of four strokes. Its snapshot holds the first two, after which the
-  /// server was started again: batches from there on can be read without those before.
+  /// Leaves a closed journal of four strokes. Its snapshot has the first two, after which the
+  /// server was restarted: batches from there on can be read without their predecessors.
   void leave(bool with_snapshot = true) {
     session = *registry->create("block", kScene, SceneSource{});
     ParticipantId id = join();
@@ -142,7 +142,7 @@ class DamageTest : public testing::Test {
   net::HttpOptions options;
   net::Metrics metrics;
   std::unique_ptr<Access> access = *Access::open({});
-  std::vector<std::string> damages;  ///< that were reported
+  std::vector<std::string> damages;  ///< all reported damages
   std::optional<SessionRegistry> registry;
   std::optional<net::Api> api;
   std::shared_ptr<Session> session;

@@ -12,7 +12,7 @@
 
 namespace kerf {
 
-/// A session whose exported program is read and carved as kerf-carve does it.
+/// A session whose exported program is read and carved as by kerf-carve.
 class SessionExport : public SessionUndo {
  protected:
   std::string exported(ProgramFormat format) {
@@ -22,7 +22,7 @@ class SessionExport : public SessionUndo {
     EXPECT_TRUE(ok) << ok.error();
     return text.str();
   }
-  /// The hash of the block that the exported program carves.
+  /// Returns the hash of the block that the exported program carves.
   std::uint64_t carved(ProgramFormat format) {
     const std::string name = format == ProgramFormat::kApt ? "export.apt" : "export.ngc";
     const auto program = parse_program(name, exported(format), session_->scene());

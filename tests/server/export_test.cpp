@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exported programs of what is cut without a movement.
+// Exported programs of cuts without a movement.
 #include <algorithm>
 #include <atomic>
 #include <future>
@@ -11,7 +11,7 @@
 namespace kerf {
 namespace {
 
-/// With an obstacle, so that a tool at rest is recorded. Tool 3 is larger than tool 1.
+/// A scene with an obstacle, so that a tool at rest is recorded. Tool 3 is larger than tool 1.
 class ExportOfRests : public SessionExport {
  protected:
   void SetUp() override {
@@ -24,7 +24,7 @@ class ExportOfRests : public SessionExport {
     create(scene);
     ada_ = join("Ada");
   }
-  /// The tool rests for some samples, which cut.
+  /// Rests the tool for some cutting samples.
   void rest(Vec3 tip, std::uint32_t tool, int samples = 3) {
     for (int n = 0; n < samples; ++n) {
       wire::MotionSample sample = next(ada_, tip, true);
@@ -32,7 +32,7 @@ class ExportOfRests : public SessionExport {
       EXPECT_TRUE(session_->move(ada_, {&sample, 1}).rejections.empty());
     }
   }
-  /// The durations of the dwells of an exported program, s.
+  /// Returns the durations of the dwells of an exported program, s.
   std::vector<double> dwells(ProgramFormat format) {
     const auto program = parse_program(format == ProgramFormat::kApt ? "x.apt" : "x.ngc",
                                        exported(format), session_->scene());
@@ -98,7 +98,7 @@ TEST_F(SessionExport, AnExportWhileStrokesAreUndoneIsABlockThatHasBeen) {
   create();
   const ParticipantId ada = join("Ada");
   std::atomic<bool> ends = false;
-  // No two strokes are there at the same time: one is drawn when the one before has been undone.
+  // No two strokes exist at the same time: each one is drawn after the previous one was undone.
   auto exports = std::async(std::launch::async, [&] {
     std::size_t most = 0;
     while (!ends) {

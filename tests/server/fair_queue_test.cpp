@@ -65,7 +65,7 @@ TEST_F(FairQueueTest, WhoHasNothingRunningComesBeforeWhoHas) {
   FairQueue queue(executor, 3);
   for (int n = 0; n < 3; ++n) post(queue, "a");
   for (int n = 0; n < 3; ++n) post(queue, "b");
-  // Two of a and one of b have begun; when the oldest ends, both have one.
+  // Two jobs of a and one of b have begun. When the oldest ends, both have one.
   for (int n = 0; n < 2; ++n) post(queue, "c");
   executor.run();
   EXPECT_EQ(ran, (Names{"a", "a", "b", "c", "a", "b", "c", "b"}));
@@ -126,14 +126,14 @@ TEST_F(FairQueueTest, AnExceptionDoesNotKeepTheTurn) {
   EXPECT_EQ(ran, Names{"b"});
 }
 
-/// What had run when the only job of a client was posted.
+/// The numbers of jobs that had run when the only job of a client was posted.
 struct Posted {
   std::map<std::string, int> ran;
   std::size_t total = 0, begun = 0;
 };
 
-/// Random arrivals, bursts of one client among them. A job whose client has no other one must not
-/// wait for more than what had begun, and one job of each other client.
+/// Random arrivals, including bursts of one client. The only job of a client must not wait for more
+/// than the jobs in progress and one job of each other client.
 class Arrivals {
  public:
   explicit Arrivals(std::uint32_t seed)
@@ -146,7 +146,7 @@ class Arrivals {
     for (int step = 0; step < 400; ++step) {
       const int choice = pick(10);
       if (choice == 0) {
-        for (int n = pick(20); n > 0; --n) post(0);  // one sends all at once
+        for (int n = pick(20); n > 0; --n) post(0);  // one client posts all at once
       } else if (choice < 5) {
         post(pick(clients_));
       } else {

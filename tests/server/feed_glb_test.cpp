@@ -88,7 +88,8 @@ TEST(MeshGlb, NeighboringTilesMeetExactly) {
   const SolidSnapshot snapshot = sculpture.solid();
   const auto decoded =
       test::read_mesh_glb(glb_of(encode_all(snapshot, TileCompression::kNone), snapshot.grid()));
-  // Vertices shared between tiles are equal after decoding, so the result is as closed as the mesh.
+  // Vertices shared between tiles are equal after decoding, so the result is as watertight as the
+  // mesh.
   std::map<std::array<float, 3>, Vec3> world;
   std::size_t shared = 0;
   for (const TileMesh& mesh : test::mesh_all(snapshot)) {

@@ -27,7 +27,7 @@ class Screen {
       tiles_[index] = std::move(tile);
     }
   }
-  /// Applies and acknowledges all frames; returns their number.
+  /// Applies and acknowledges all frames. Returns their number.
   std::size_t drain(TileFeed& feed, ViewerId viewer) {
     std::size_t frames = 0;
     while (auto frame = feed.next_frame(viewer)) {

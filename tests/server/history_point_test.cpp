@@ -76,7 +76,7 @@ class ForcePlots : public SessionUndo {
     EXPECT_TRUE(export_force_plot(session_->journal_file(), request, out));
     return nlohmann::json::parse(out.str());
   }
-  /// Magnitudes of force and torque, removed volume and time in the lines of forces.csv.
+  /// Returns force and torque magnitudes, removed volume and time from the lines of forces.csv.
   std::vector<std::array<double, 4>> lines(const ForcesRequest& request) {
     std::stringstream csv;
     EXPECT_TRUE(export_forces(session_->journal_file(), request, csv));

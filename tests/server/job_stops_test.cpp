@@ -31,7 +31,7 @@ TEST(JobStops, EndAllJobsAndThoseThatBeginLater) {
   EXPECT_TRUE(jobs.begin("b")->stop_requested());
 }
 
-// As a queue does: the stop of one job ends what keeps another one.
+// As in a queue, stopping one job destroys another.
 TEST(JobStops, AJobMayEndWhileOthersAreStopped) {
   JobStops jobs;
   auto one = jobs.begin("a"), two = jobs.begin("a");

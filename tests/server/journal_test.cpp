@@ -44,7 +44,7 @@ class Journal : public testing::Test {
     EXPECT_EQ(sqlite3_exec(database, text.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << text;
     sqlite3_close(database);
   }
-  /// Reads to the first error and expects kCorrupt at `sequence`.
+  /// Reads up to the first error, which must be kCorrupt at `sequence`.
   void expect_corrupt_at(std::uint64_t sequence) const {
     auto reader = JournalReader::open(file);
     ASSERT_TRUE(reader) << describe(reader.error());

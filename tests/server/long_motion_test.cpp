@@ -33,14 +33,14 @@ class LongMotionTest : public SessionTest {
     sample.tool_id = 2;
     return sample;
   }
-  /// The hash that the journal gives when it is replayed.
+  /// Replays the journal and returns the hash.
   std::uint64_t replayed_hash() {
     EXPECT_TRUE(session->flush());
     const auto replayed = replay(session->journal_file());
     EXPECT_TRUE(replayed);
     return replayed->hash.hash;
   }
-  /// Begins a plunge of the mill by 2 mm; its end is sent with the first sample.
+  /// Begins a plunge of the mill by 2 mm. Its end is sent with the first sample.
   std::optional<MotionAnswer> plunge() {
     const std::array samples = {next(0, 0, 1), next(0, 0, -2)};
     return session->begin_move(mill, samples);

@@ -10,7 +10,7 @@
 namespace kerf::test {
 
 /// An executor that runs work only when a test calls it, in the order of posting. Delays are
-/// recorded, not waited for.
+/// recorded but not waited for.
 class ManualExecutor final : public Executor {
  public:
   void post(Work work) override { queue_.push_back(std::move(work)); }
@@ -18,11 +18,11 @@ class ManualExecutor final : public Executor {
     delayed_.push_back(std::move(work));
     last_delay = delay;
   }
-  /// Runs the posted work, and the work which that posts, without the delayed work.
+  /// Runs the posted work, including work that it posts, but no delayed work.
   void run() {
     while (!queue_.empty()) run_one();
   }
-  /// Runs the oldest posted work; false if there is none.
+  /// Runs the oldest posted work. Returns false if there is none.
   bool run_one() {
     if (queue_.empty()) return false;
     Work work = std::move(queue_.front());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One allocation fails somewhere in the middle of a request: the block is that of the journal
-// afterwards, or the request was refused and has changed nothing.
+// One allocation fails somewhere during a request. Afterwards either the block matches the journal,
+// or the request was rejected and has changed nothing.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -27,7 +27,7 @@ class SessionWithoutMemory : public SessionUndo {
     stroke(ada, {-15, 5, -2}, {15, 5, -2});
     executor_->run();
   }
-  /// Runs the session's turns, as its thread does, which goes on after an exception.
+  /// Runs the session's turns like its thread, which continues after an exception.
   void run_turns(bool delayed = false) {
     try {
       executor_->run(delayed);
@@ -42,14 +42,14 @@ class SessionWithoutMemory : public SessionUndo {
     run_turns();
     return answer.get();
   }
-  /// Lets everything that was left to be tried again come to its end.
+  /// Runs all pending retries to their end.
   void settle() {
     for (int n = 0; n < 10 && session_->is_between_records(); ++n) {
       run_turns(true);
       get(std::async(std::launch::async, [this] { workers_.run(); }));
     }
   }
-  /// Undoes the crossing stroke, or redoes it. Returns whether that is done.
+  /// Undoes or redoes the crossing stroke. Returns whether that succeeded.
   bool turn() {
     StrokeRequest request{.undone = !is_undone_, .strokes = {crossing_}};
     request.caller = Caller::local();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every command about a thing that somebody has made, by every role, about one's own and another's.
+// Every command on an item that somebody has made, by every role, for the caller's own item and for
+// another's.
 #include <gtest/gtest.h>
 
 #include "tests/server/api_rights_fixture.h"
@@ -8,19 +9,19 @@ namespace kerf::net {
 namespace {
 
 const std::string kBlock = "/v1/sessions/block/";
-/// At feed rate it runs on until somebody cancels it: this executor has no clock.
+/// At feed rate this runs until it is cancelled: the executor has no clock.
 const std::string kProgramText = "G21 G90\nT1 M6\nG0 X0 Y0 Z5\nG1 Z-1 F60\nG1 X9\nG1 X0\nM30\n";
 const std::string kPartText =
     "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
 enum class Thing : std::uint8_t { kProgram, kPin, kVersion, kTarget, kStroke, kUndoneStroke };
 
-/// A command; "#" stands for the thing.
+/// A command. "#" stands for the item.
 struct Command {
   const char* name;
   Thing thing;
   const char *method, *path;
-  bool changes_block = false;  ///< refused to who is muted
+  bool changes_block = false;  ///< rejected for muted callers
 };
 
 constexpr Command kCommands[] = {
@@ -58,7 +59,7 @@ class OwnThings : public ApiRightsTest, public testing::WithParamInterface<Comma
     EXPECT_EQ(response.status / 100, 2U) << response.body;
     return Json::parse(response.body).at(name).dump();
   }
-  /// Cuts a stroke with the token's agent, which stays, and returns its number.
+  /// Cuts a stroke with the token's agent, which stays. Returns the stroke's number.
   std::string stroke(const std::string& token) {
     const ParticipantId id = join(token);
     const std::uint64_t first = session->sequence() + 1;
@@ -73,7 +74,7 @@ class OwnThings : public ApiRightsTest, public testing::WithParamInterface<Comma
     EXPECT_TRUE(session->move(id, samples).rejections.empty());
     return std::to_string(first);
   }
-  /// Makes a thing, and returns how paths name it.
+  /// Makes an item and returns its name in paths.
   std::string make(Thing thing, const std::string& token) {
     switch (thing) {
       case Thing::kProgram:
@@ -128,7 +129,7 @@ TEST_P(OwnThings, SculptorsCommandTheirOwnOnesAndOwnersAll) {
           << to_string(role) << is_own << response.body;
       if (!may_do) {
         EXPECT_EQ(code(response), "not_allowed");
-        // It is as it was.
+        // The item is unchanged.
         EXPECT_EQ(command(thing, kAdmin).status / 100, 2U) << to_string(role) << is_own;
       }
       set_role(ada_, Role::kSculptor);

@@ -233,7 +233,7 @@ TEST_F(ParticipantsTest, AnAgentThatIsPresentCanResumeHoweverManyComeAfterIt) {
   const Admission last = admit(tokens.back());
   EXPECT_TRUE(last.resumed);
   others.leave(last.participant.id);
-  // The others that are absent are in the journal.
+  // The remaining absent agents are only in the journal.
   ASSERT_TRUE(journal.flush());
   for (const std::string& token : tokens) {
     const Admission again = admit(token);

@@ -130,7 +130,7 @@ TEST_F(Past, ABlockThatIsLateGoesOnWhereItWas) {
     if (block.record() == session_->sequence()) break;
   }
   EXPECT_EQ(block.solid().hash(), hash());
-  // What is journaled afterwards is found.
+  // Later records are found.
   stroke(join("Cy"), {10, 10, -2}, {15, 15, -2});
   ASSERT_TRUE(session_->flush());
   ASSERT_TRUE(block.play({}, 10s, {}));
@@ -222,8 +222,8 @@ TEST_F(Past, PlaysWithoutTheHeadOfTheJournal) {
   EXPECT_EQ(block.solid().hash(), hash());
 }
 
-/// Another thread asks for the strokes of a session when this is first given work, which it begins
-/// late. Notes whether the answer was there before it was given more.
+/// When first given work, lets another thread ask for the session's strokes and begins late. Notes
+/// whether the answer came before it was given more work.
 class AskingWorkers final : public Workers {
  public:
   explicit AskingWorkers(Session& session) : session_(session) {}

@@ -18,10 +18,10 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-/// More than the socket buffers of both sides hold.
+/// Larger than the socket buffers of both sides.
 constexpr std::size_t kLongFrameBytes = std::size_t{64} << 20;
 
-/// Sends one frame. With `promises_more` another one is to follow, which then does not.
+/// Sends one frame. With `promises_more` it announces another one that never comes.
 class OneFrame final : public Conversation {
  public:
   OneFrame(std::shared_ptr<Session> session, Metrics& metrics, std::size_t bytes,
@@ -72,7 +72,7 @@ class PeerSocketTest : public SessionTest {
     client_.connect(acceptor.local_endpoint());
     acceptor.accept(accepted_);
   }
-  /// Lets the peer begin, once the client has asked for a WebSocket.
+  /// Starts the peer once the client has asked for a WebSocket.
   void accept(Conversation& conversation) {
     asio::post(io_, [&] {
       UpgradeRequest request;

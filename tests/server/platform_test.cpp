@@ -38,7 +38,7 @@ TEST(Clock, NowNeverDecreases) {
 }
 
 TEST(Clock, WallTimesAreUtcInTheirUnits) {
-  // The system's clock may be set meanwhile, by little.
+  // The system's clock may be adjusted slightly in the meantime.
   constexpr std::chrono::seconds kSet{60};
   const auto away = Clock::wall() - std::chrono::system_clock::now();
   EXPECT_LT(std::chrono::abs(away), kSet);
@@ -86,7 +86,7 @@ TEST(Random, FillsExactlyTheGivenBytes) {
   EXPECT_FALSE(std::ranges::all_of(given, is_as_before));
 }
 
-// A signal ends a call of the system that has filled a part.
+// A signal interrupts a system call that has filled a part of the buffer.
 TEST(Random, FillsMuchWhileSignalsArrive) {
   struct sigaction action{};
   action.sa_handler = [](int) {};

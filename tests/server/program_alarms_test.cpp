@@ -78,7 +78,7 @@ TEST(ProgramAlarms, ShankAndHolderMayBeAsDeepAsTheTolerance) {
   EXPECT_EQ(alarms.count(), 1U);
 }
 
-/// The columns of a groove lie farther apart than the ends of the samples along it.
+/// The columns of a groove are farther apart than the ends of the samples along it.
 TEST(ProgramAlarms, GougesWithinTwoPitchesOfPathAreOne) {
   ProgramAlarms alarms({.pitch_mm = 0.5});
   const auto follow = [&](std::uint32_t line, double from_x, double depth_mm) {

@@ -14,7 +14,7 @@ namespace {
 using Carved = std::expected<std::optional<CarvedMotion>, Rejection>;
 using std::chrono::seconds;
 
-/// Motions of one second each, at the given lines.
+/// Motions of one second each, on the given lines.
 Program program_at(const std::vector<std::uint32_t>& lines) {
   Program program;
   program.name = "p.ngc";
@@ -117,7 +117,8 @@ TEST(ProgramControl, TheSpeedMultipliesTheFeedRate) {
   runs.slice(cut);
   EXPECT_EQ(runs.status(slow)->motions_done, 1U);  // of 1.2 s
   EXPECT_EQ(runs.status(fast)->motions_done, 4U);  // of 4.4 s
-  EXPECT_GE(runs.status(fast)->elapsed_s, 4.4);    // part of the fifth, along which the tool moves
+  EXPECT_GE(runs.status(fast)->elapsed_s, 4.4);    // part of the fifth motion, along which the tool
+                                                   // is shown
   EXPECT_LT(runs.status(fast)->elapsed_s, 5);
   EXPECT_EQ(runs.status(fast)->programmed_s, 5);
   EXPECT_EQ(runs.status(fast)->feed_mm_per_min, 300);
@@ -238,7 +239,7 @@ class StoppedPrograms : public SessionTest {
     EXPECT_TRUE(session->order_program(id, ProgramOrder::kStep));
     for (int n = 0; n < 3; ++n) executor->run_delayed();
   }
-  /// What the next server shows.
+  /// Returns the programs that the next server would list as stopped.
   std::vector<StoppedProgram> stopped() {
     EXPECT_TRUE(session->flush());
     return stopped_programs(*read_attachments(session->journal_file()),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Programs that are faster than the disk, and the records of their motions through the air.
+// Programs that are faster than the disk, and the records of their air motions.
 #include <chrono>
 #include <sstream>
 #include <thread>
@@ -18,7 +18,7 @@ class ProgramJournal : public SessionTest {
     disk.block_syncs(false);
     registry.reset();  // closes the journals before the disk goes
   }
-  /// A path through `points`, each point a motion of one millisecond.
+  /// A path through `points`, with one motion of a millisecond to each point.
   static Program program_through(const std::vector<Vec3>& points) {
     Program program;
     program.name = "path.ngc";
@@ -32,8 +32,7 @@ class ProgramJournal : public SessionTest {
     }
     return program;
   }
-  /// Runs a program as the server does. A disk whose syncs block is released when the program
-  /// waits.
+  /// Runs a program like the server. A disk whose syncs block is released when the program waits.
   ProgramStatus run(Session& session, Program program) {
     const auto started = session.start_program(std::move(program), {ProgramPace::kFast});
     EXPECT_TRUE(started);
@@ -70,7 +69,7 @@ class ProgramJournal : public SessionTest {
   bool waited = false;
 };
 
-/// A zigzag above the block, of which no two motions can be joined.
+/// A zigzag above the block, no two motions of which can be joined.
 std::vector<Vec3> zigzag(std::size_t motions, double z_mm) {
   std::vector<Vec3> points;
   for (std::size_t n = 0; n <= motions; ++n) {

@@ -49,7 +49,7 @@ TEST(TrustedProxies, AnythingElseIsAnError) {
 TEST(TrustedProxies, TheClientIsTheLastAddressThatIsNoProxy) {
   const TrustedProxies some = proxies({"10.0.0.0/8"});
   EXPECT_EQ(client_of("203.0.113.9", some), "203.0.113.9");
-  // What stands before it is what the client says of itself.
+  // The client itself controls the values before it.
   EXPECT_EQ(client_of("10.1.1.1, 1.2.3.4, 203.0.113.9 , 10.0.0.3", some), "203.0.113.9");
   EXPECT_EQ(client_of("203.0.113.9:4711", some), "203.0.113.9");
   EXPECT_EQ(client_of("[2001:db8::1]:80", some), "2001:db8::1");

@@ -33,7 +33,7 @@ Sculpture carved_block(unsigned seed, Rays rays) {
   return sculpture;
 }
 
-/// A block whose top was milled away by a tool that sinks from one side to the other.
+/// A block whose top was milled off by a tool that descends from one side to the other.
 Sculpture ramp(const ToolShape& shape) {
   Sculpture sculpture = block();
   sculpture.apply(DefineTool{1, make_tool(shape).value()}).value();
@@ -53,7 +53,7 @@ std::size_t triangles_of(const std::vector<TileMesh>& meshes) {
   return test::check_mesh(meshes).triangles;
 }
 
-/// The greatest distance of a vertex that a triangle had from the triangles that there are now, mm.
+/// Returns the maximum distance, mm, of a former vertex of a triangle from the present triangles.
 double farthest_mm(const TileMesh& exact, const TileMesh& now) {
   IndexedMesh mesh;
   mesh.positions_mm.assign(now.positions_mm.begin(), now.positions_mm.end());
@@ -113,16 +113,16 @@ TEST(QuadMerge, PlaneThatLeansTakesFewTriangles) {
   const auto exact = test::mesh_all(sculpture.solid());
   const auto meshes = merged(exact, sculpture.grid(), 0.01);
   for (std::size_t n = 0; n < exact.size(); ++n) {
-    // Those of the first row and column have sides of the block, which stay.
+    // Tiles of the first row and column have sides of the block, which stay.
     if (exact[n].tile != TileIndex{1, 1}) continue;
     EXPECT_GT(exact[n].indices.size() / 3, 1700U);
-    // A side of 32 quadrangles keeps all vertices, with triangles that become larger from there.
+    // A side of 32 quadrangles keeps all vertices. Triangles get larger from there.
     EXPECT_LT(meshes[n].indices.size() / 3, 700U);
   }
 }
 
-/// A tile that is a bowl with ripples, whose surface passes no layer of cells: a vertex in each
-/// column of them. Every other vertex is raised.
+/// A bowl with ripples, whose surface skips no layer of cells: one vertex in each of its columns.
+/// Every other vertex is raised.
 TileMesh bowl() {
   constexpr std::uint32_t kSide = kTileSide + 1;
   TileMesh mesh;
@@ -149,7 +149,7 @@ TEST(QuadMerge, ErrorsOfFinerTrianglesAddUp) {
   for (double error_mm = 0.001; error_mm < 0.05; error_mm *= 1.15) {
     TileMesh mesh = exact;
     mesh.indices = merged_quads(exact, grid, {error_mm, 2});
-    // The other half is for vertices that are joined before.
+    // The other half is reserved for vertices joined earlier.
     EXPECT_LE(farthest_mm(exact, mesh), 0.5001 * error_mm);
     fewest = std::min(fewest, mesh.indices.size());
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sessions at random: hands that rest, change tools, jump, lose their connections and send again
-// what is not durable, undo, redo, restarts and programs. The block is that of its journal, and
-// programs exported from it carve it again, to the bit.
+// Random sessions: hands rest, change tools, jump, lose their connections and resend samples that
+// are not durable; strokes are undone and redone; servers restart; programs run. The block must
+// match its journal, and exported programs must carve it again to the bit.
 #include <algorithm>
 #include <chrono>
 #include <deque>
@@ -16,15 +16,16 @@
 namespace kerf {
 namespace {
 
-/// Samples of one message at most.
+/// Maximum number of samples in a message.
 constexpr std::size_t kBatchMax = 16;
 
 /// An agent and its connection.
 struct Hand {
   ParticipantId id = 0;
   std::string token;
-  std::deque<wire::MotionSample> kept = {};  ///< that are not durable, and the last one before
-  std::uint64_t sent = 0;                    ///< newest sample that has reached the session
+  std::deque<wire::MotionSample> kept = {};  ///< samples that are not durable, and the last durable
+                                             ///< one
+  std::uint64_t sent = 0;                    ///< newest sample that the session has received
   bool is_connected = true;
   Vec3 tip{0, 0, 5}, axis{0, 0, 1};
   std::uint32_t tool = 1;
@@ -60,7 +61,7 @@ class RandomExport : public SessionExport {
     const bool is_tri = one_of(4) == 0;
     std::string text =
         rack_scene(is_tri ? "tri-dexel" : "dexel", one_of(4) == 0 ? "paper" : "tight");
-    // So that the large mill is more work than one turn.
+    // Makes the large mill more work than one turn.
     is_fine_ = !is_tri && one_of(4) == 0;
     if (is_fine_) text.replace(text.find("\"pitch_mm\": 0.6"), 15, "\"pitch_mm\": 0.1");
     text.replace(text.find("\"tools\": ["), 10,
@@ -93,7 +94,7 @@ class RandomExport : public SessionExport {
     }
   }
 
-  /// Completes what has begun; all samples arrive.
+  /// Completes everything in progress. All samples arrive.
   void settle() {
     for (Hand& hand : hands_) {
       while (!hand.is_connected) {
@@ -113,7 +114,7 @@ class RandomExport : public SessionExport {
     for (std::size_t n = 0; n < samples; ++n) hand.kept.push_back(next_sample(hand));
     if (hand.is_connected && one_of(100) == 0) {
       hand.is_connected = false;
-      if (one_of(2) == 0) session_->leave(hand.id);  // otherwise it is not noticed
+      if (one_of(2) == 0) session_->leave(hand.id);  // otherwise the loss goes unnoticed
     } else if (!hand.is_connected && one_of(4) == 0) {
       connect(hand);
     }
@@ -148,7 +149,7 @@ class RandomExport : public SessionExport {
     return sample;
   }
 
-  /// Sends what the session does not have yet, and forgets what is durable.
+  /// Sends the samples that the session lacks and forgets durable ones.
   void deliver(Hand& hand) {
     std::vector<wire::MotionSample> samples;
     for (const wire::MotionSample& sample : hand.kept) {
@@ -167,7 +168,7 @@ class RandomExport : public SessionExport {
     while (hand.kept.size() > 1 && hand.kept[1].agent_sequence <= durable) hand.kept.pop_front();
   }
 
-  /// Without an effect if it has come back too often.
+  /// No effect if it has reconnected too often.
   void connect(Hand& hand) {
     JoinRequest again = request("again");
     again.token = hand.token;
@@ -178,13 +179,13 @@ class RandomExport : public SessionExport {
     EXPECT_EQ(admission->participant.id, hand.id);
     EXPECT_LE(admission->agent_sequence, sequences_[hand.id]);
     hand.is_connected = true;
-    // All that may not be durable, or from some known sample on.
+    // Resends all samples that may not be durable, or starts at some known sample.
     const std::uint64_t known = admission->agent_sequence;
     hand.sent = one_of(2) == 0 ? 0 : known - std::min<std::uint64_t>(known, one_of(20));
   }
 
   void restart_server() {
-    // They would go on, and write to the journal that the next server writes to.
+    // Otherwise they would continue and write to the next server's journal.
     for (const ProgramStatus& program : session_->programs()) session_->cancel_program(program.id);
     settle();
     reload();

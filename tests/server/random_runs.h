@@ -7,19 +7,19 @@
 
 namespace kerf {
 
-/// A number of the environment.
+/// Returns a number from the environment.
 inline unsigned setting(const char* name, unsigned otherwise) {
   const char* text = std::getenv(name);
   return text == nullptr ? otherwise : static_cast<unsigned>(std::atoi(text));
 }
 
-/// Which runs of a random test to make; the environment may ask for more and others.
+/// The runs of a random test. The environment can change their seed, number and length.
 struct RandomRuns {
   unsigned first_seed;  ///< KERF_SEED; gtest's --gtest_repeat does not change it
   unsigned count;       ///< KERF_EFFORT
-  int rounds;           ///< KERF_ROUNDS: the length of each, whose square is its cost
+  int rounds;           ///< KERF_ROUNDS: length of a run; its cost is quadratic
 
-  /// Calls run(seed, rounds) for each, until the test has failed.
+  /// Calls run(seed, rounds) for each run until the test has failed.
   template <typename Run>
   void each(Run run) const {
     const unsigned first = setting("KERF_SEED", first_seed);

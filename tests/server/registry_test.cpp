@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-/// Runs work at once, on the thread that posts it; never what is delayed.
+/// Runs work at once on the posting thread, and never runs delayed work.
 class ImmediateExecutor final : public Executor {
  public:
   void post(Work work) override { work(); }
@@ -95,7 +95,7 @@ TEST_F(ClosedSessions, KeepTheirPlaceIfTheyCannotBeReopened) {
   leave_closed();
   auto closed = registry->closed();
   ASSERT_EQ(closed.size(), 2U);
-  EXPECT_EQ(closed[1].id, "block");  // also with a name that tells it from the first
+  EXPECT_EQ(closed[1].id, "block");  // same id despite the distinguishing name
   const auto open = start();
   LoadReport report;
   const auto taken = registry->reopen(closed[0].name, report);

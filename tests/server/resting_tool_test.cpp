@@ -18,7 +18,7 @@ TEST_F(RestingTool, AToolThatBeginsToCutAtRestLeavesItsImprintOnce) {
   EXPECT_EQ(session->sequence(), before + 1);
   const double taken = session->info().removed_mm3;
   EXPECT_GT(taken, 1);
-  // As a motion of 1 µm does.
+  // Same result as for a motion of 1 µm.
   const auto other = *registry->create("other", kScene, SceneSource{});
   const auto mover = join(*other);
   move(*other, mover, 0, 0, -1);

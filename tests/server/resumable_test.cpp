@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tokens are valid for the life of a session, however many others join, and joins have limits.
+// Tokens stay valid for the life of a session, however many other agents join, and joins are
+// limited.
 #include "server/session/resumable.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +25,7 @@ class ResumableTest : public SessionTest {
     request.token = token;
     return session->admit(request);
   }
-  /// Lets others join with tokens of their own, as many as are kept in memory and some more.
+  /// Lets more agents join with their own tokens than are kept in memory.
   void crowd() {
     for (std::size_t n = 0; n < Resumable::kKept + 16; ++n) {
       const auto other = admit("", "Eve");
@@ -55,7 +56,7 @@ TEST_F(ResumableTest, ATokenOutlastsTheJoinsOfOthersAndARestart) {
   EXPECT_EQ(again->participant.id, id);
   EXPECT_EQ(again->participant.name, "Ada");
   EXPECT_EQ(again->agent_sequence, 5U);
-  // What it had sent is not cut again, what is new is.
+  // Known samples are not cut again; new ones are.
   const auto records = session->sequence();
   sequence = 3;
   move(*session, id, 0.3, 0, -1);
@@ -119,7 +120,7 @@ TEST_F(ResumableTest, WhatIsNotCommittedYetIsTriedAgain) {
   for (ParticipantId id = 1; id <= Resumable::kKept + 1; ++id) {
     ResumableAgent agent;
     agent.token = *hash_token(token(id));
-    // Ahead of the journal, which has no record yet.
+    // This state is ahead of the journal, which has no record yet.
     resumable.keep(id, agent, absent, 1);
   }
   using enum Resumable::Recall;
@@ -147,7 +148,7 @@ class JoinLimits : public SessionTest {
     JoinRequest request{ParticipantKind::kAgent, "", "", 1, true};
     request.role = Role::kSculptor;
     request.grant = grant;
-    request.invitation = grant.substr(0, grant.find('/'));  // in these tests
+    request.invitation = grant.substr(0, grant.find('/'));  // naming scheme of these tests
     request.durable = true;
     request.token = token;
     auto admission = session->admit(request);

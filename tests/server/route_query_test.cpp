@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// No parameter of a query passes unnoticed, on any route.
+// No route ignores an unknown query parameter.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -40,7 +40,7 @@ class RouteQuery : public SessionTest {
     access_ = *Access::open({});  // everybody has every right
     api_.emplace(options_, *registry, metrics_, *access_, matter_routes());
   }
-  /// The response before the body of a request to a route is read; nullopt: it may be handled.
+  /// Returns the response before a request's body is read; nullopt if the request may be handled.
   std::optional<ApiResponse> fault(const Route& route, const std::string& query) {
     ApiRequest request = *parse_target(target_of(route) + query);
     request.method = route.methods.substr(0, route.methods.find(','));

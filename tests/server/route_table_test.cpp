@@ -35,7 +35,7 @@ TEST(Routes, MethodAndPathSelectARow) {
   EXPECT_EQ(match("GET", "/v1/sessions/demo/view").upgrade, Upgrade::kViewer);
 }
 
-// What reads the bytes of strangers, makes files or looks back may take long.
+// Requests that parse foreign bytes, make files or look back may take long.
 TEST(Routes, ShortRequestsHaveThreadsApartFromLongOnes) {
   const auto runs = [](const char* method, const std::string& target) {
     return match(method, "/v1/sessions" + target).route->runs;
@@ -149,13 +149,13 @@ TEST_F(ApiTest, AMeshWaitsForTheMemoryThatItsReadingTakes) {
   EXPECT_FALSE(header(busy, "Retry-After").empty());
   options.program_bytes = 20 * body.size();
   api.emplace(options, *registry, metrics, *access, matter_routes());
-  for (int n = 0; n < 3; ++n) {  // it is given back
+  for (int n = 0; n < 3; ++n) {  // the memory is returned
     EXPECT_EQ(ask("POST", "/v1/files?name=a.obj", body).status, 201U);
   }
 }
 
 TEST_F(ApiTest, AFewBytesDoNotBecomeMillionsOfTriangles) {
-  // Object n holds object n - 1 twice, and object 1 is a triangle: 2^20 of them.
+  // Object n contains object n - 1 twice, and object 1 is a triangle: 2^20 triangles.
   std::string objects =
       R"(<object id="1"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>)"
       R"(<vertex x="0" y="1" z="0"/></vertices><triangles><triangle v1="0" v2="1" v3="2"/>)"
@@ -183,7 +183,7 @@ TEST_F(ApiTest, UnknownPathsAreNotFound) {
   EXPECT_EQ(code(ask("GET", "/v1/sessions/demo/x")), "unknown_session");
 }
 
-// The executor of this session runs nothing: a request that waits for it never returns.
+// The executor of this session runs nothing, so a request that waits for it never returns.
 TEST_F(ApiTest, ListsAndHealthDoNotWaitForASession) {
   const auto session = start();
   move(*session, join(*session), 0, 0, -1);

@@ -32,7 +32,7 @@ std::unique_ptr<Server> start(const std::filesystem::path& folder, SessionLimits
   return *std::move(made);
 }
 
-/// A crowd: the session is read for it while a job runs, and after the job.
+/// A crowd: the session is read for it during a job and after it.
 std::vector<bench::WebSocket> watch(std::uint16_t port, int count) {
   std::vector<bench::WebSocket> viewers;
   std::string payload;
@@ -44,7 +44,7 @@ std::vector<bench::WebSocket> watch(std::uint16_t port, int count) {
   return viewers;
 }
 
-/// Cuts until the server takes nothing more.
+/// Cuts until the server accepts no more.
 void cut_until_the_end(bench::WebSocket& agent) {
   std::vector<std::byte> frame;
   for (std::uint64_t n = 1;; ++n) {
@@ -58,7 +58,7 @@ void cut_until_the_end(bench::WebSocket& agent) {
   }
 }
 
-// Two are let in at once, and one each quarter of a second.
+// Two are admitted at once, and one each quarter of a second.
 TEST(Audience, ThatIsLargerThanWhatIsLetInAtOnceComesOneAfterTheOther) {
   const test::TemporaryFolder folder;
   const auto server = start(
@@ -79,7 +79,7 @@ TEST(Audience, ThatIsLargerThanWhatIsLetInAtOnceComesOneAfterTheOther) {
   EXPECT_EQ(welcomed + rejected, 30);
 }
 
-// Peers that neither read nor close are still there when the threads end, one after the other.
+// Peers that neither read nor close are still connected when the threads end one after the other.
 TEST(ServerEnd, OfAServerWithViewersLeavesNothingBehind) {
   const test::TemporaryFolder folder;
   for (int turn = 0; turn < 3; ++turn) {
@@ -94,7 +94,7 @@ TEST(ServerEnd, OfAServerWithViewersLeavesNothingBehind) {
       while (bench::json_field(bench::get(server->port(), "/v1/sessions/bench"), "motions") == "0")
         std::this_thread::yield();
     }
-    server.reset();  // also releases the folder for the next one
+    server.reset();  // also releases the folder for the next server
   }
 }
 

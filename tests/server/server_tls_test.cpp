@@ -24,7 +24,7 @@ namespace {
 
 class CertificateReport : public SessionTest {
  protected:
-  /// Loads a certificate as a server does at its start; returns the log.
+  /// Loads a certificate like a server at its start. Returns the log.
   std::string log_of(const char* name, const test::Certified& words) {
     test::certify(folder / name, words);
     const std::string path = folder / name;
@@ -54,7 +54,7 @@ TEST_F(CertificateReport, OneThatHasExpiredIsReportedAtTheStartAndCounted) {
   EXPECT_GT(days_left(), 0);
 }
 
-/// A client over TLS that reads what the test wants.
+/// A client over TLS that reads only as much as the test asks for.
 class SlowReader {
  public:
   explicit SlowReader(std::uint16_t port)
@@ -74,7 +74,7 @@ class SlowReader {
   ~SlowReader() { close(socket_); }
   SlowReader(const SlowReader&) = delete;
   SlowReader& operator=(const SlowReader&) = delete;
-  /// Sends a request; the beginning of the answer.
+  /// Sends a request and returns the beginning of the answer.
   std::string ask(const std::string& target) {
     std::string request = "GET ";
     request.append(target).append(" HTTP/1.1\r\nHost: localhost\r\n\r\n");

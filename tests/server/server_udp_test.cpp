@@ -95,7 +95,7 @@ class Agent {
   }
   void send_text(const std::string& text) { socket_->send(1, std::as_bytes(std::span(text))); }
 
-  /// The next datagram; its frame has this body, or the test fails.
+  /// Receives the next datagram. Its frame must have this type of body.
   template <typename Body>
   Body receive_datagram() {
     std::vector<std::byte> datagram(datagram::kMaxBytes), frame(datagram::kMaxFrameBytes);
@@ -108,7 +108,7 @@ class Agent {
     if (!opened) return {};
     return std::get<Body>(wire::decode(std::span(frame).first(opened->frame_bytes))->body);
   }
-  /// Waits for the result over the WebSocket that answers a sample.
+  /// Waits for the WebSocket result that answers a sample.
   void wait_for_result(std::uint64_t number) {
     std::string payload;
     for (;;) {
@@ -212,7 +212,7 @@ TEST_F(ServerUdp, KeysAreThoseOfOneAgentAndEndWithItsWebSocket) {
   }));
 }
 
-// A session cuts a wide motion in turns, in which it reads what other agents have sent.
+// A session cuts a wide motion in several turns and reads other agents' frames in between.
 TEST_F(ServerUdp, ABatchThatIsCutInTurnsComesBeforeTheToolAndTheSamplesBehindIt) {
   start_with_udp();
   const auto carve = [this](const std::string& session, bool udp) {
@@ -229,7 +229,7 @@ TEST_F(ServerUdp, ABatchThatIsCutInTurnsComesBeforeTheToolAndTheSamplesBehindIt)
     if (udp) {
       agent.open_udp(server_->udp_port());
       agent.send_datagram(batch_of(wide));
-      while (info(session, "motions") == "0") std::this_thread::yield();  // of four
+      while (info(session, "motions") == "0") std::this_thread::yield();  // motions sent: four
     } else {
       agent.send_frame(batch_of(wide));
     }

@@ -37,7 +37,7 @@ class Branches : public SessionUndo {
     SerialWorkers alone;
     return session_->solid_at(record, alone).value().value().hash();
   }
-  /// Strokes, some of them undone, in several commits.
+  /// Makes strokes, some of them undone, in several commits.
   void carve() {
     create();
     ada_ = join("Ada");
@@ -88,7 +88,7 @@ TEST_F(Branches, CarryOnWithTheStrokesOfTheParent) {
   const std::uint64_t parent_hash = hash(), parent_last = session_->sequence();
   auto parent = std::exchange(session_, branch("other", c_ + 19));
   EXPECT_EQ(session_->strokes(0)->size(), 3U);
-  // What was undone then can be redone, and what was not, undone.
+  // Strokes undone at the branch can be redone, and the rest undone.
   redo({a_});
   EXPECT_EQ(hash(), never_happened());
   undo({b_});
@@ -100,7 +100,7 @@ TEST_F(Branches, CarryOnWithTheStrokesOfTheParent) {
   const std::uint64_t expected = hash();
   EXPECT_EQ(parent->solid().hash(), parent_hash);
   EXPECT_EQ(parent->sequence(), parent_last);
-  // It needs nothing of its parent after a restart.
+  // The branch needs nothing of its parent after a restart.
   executor_->run();
   session_.reset();
   const auto parent_file = parent->journal_file();
@@ -144,7 +144,7 @@ TEST_F(Branches, OfAJournalOfVersion1HaveItsRecords) {
   ASSERT_TRUE(session_->flush());
   std::vector<JournalRecord> records;
   auto reader = JournalReader::open(session_->journal_file());
-  // Records of version 1 are of no stroke.
+  // Records of version 1 belong to no stroke.
   for (auto record = reader->next(); record && *record; record = reader->next()) {
     if (!std::holds_alternative<StrokeChange>((*record)->command)) records.push_back(**record);
   }
@@ -234,7 +234,7 @@ class LargeJournal : public testing::Test {
 using LargeJournalDeathTest = LargeJournal;
 
 TEST_F(LargeJournalDeathTest, OfWhichABranchIsHalfWrittenLeavesNoJournal) {
-  // The system kills a process whose file becomes larger than this.
+  // The system kills a process that enlarges a file beyond this limit.
   for (const rlim_t bytes : {rlim_t{20'000}, rlim_t{200'000}, rlim_t{kRows * kRowBytes}}) {
     const auto branch_in_vain = [&] {
       const rlimit no_core{0, 0}, limit{bytes, bytes};
@@ -272,7 +272,7 @@ TEST_F(LargeJournal, IsWrittenOnceForABranch) {
 
 TEST_F(Branches, DoNotFillTheDisk) {
   carve();
-  reload();  // begins the write-ahead log again, which is longer on a slow machine
+  reload();  // restarts the write-ahead log, which is longer on a slow machine
   const std::uintmax_t bytes = measure_disk(folder_->path()).folder;
   session_.reset();
   registry_.emplace(

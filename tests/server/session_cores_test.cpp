@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A session whose agents carve at the same time on several threads: state, journal and results are
-// those of one thread that takes the motions in the order of the journal.
+// A session whose agents carve in parallel on several threads: state, journal and results equal
+// those of one thread that takes the motions in journal order.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ constexpr const char* kCoresScene = R"({
                  "stiffness_n_per_mm": 1}],
   "machine": {"kinematics": "tool-vector"}})";
 
-/// "free": one field, without the obstacle, at which tools that rest would move in place.
+/// "free": one field, and no obstacle, at which resting tools would move in place.
 std::string scene_with(const std::string& rays) {
   std::string scene = kCoresScene;
   scene.replace(scene.find("RAYS"), 4, rays == "free" ? "dexel" : rays);
@@ -39,7 +39,7 @@ std::string scene_with(const std::string& rays) {
 
 constexpr std::size_t kAgents = 5;
 
-/// The samples of all agents, in rounds of one sample of each. `rests`: share of samples without
+/// The samples of all agents, in rounds of one sample each. `rests`: share of samples without
 /// travel.
 std::vector<std::array<wire::MotionSample, kAgents>> random_rounds(int rounds, double apart_mm,
                                                                    double step_mm = 0.6,
@@ -61,7 +61,7 @@ std::vector<std::array<wire::MotionSample, kAgents>> random_rounds(int rounds, d
       sample.tip_mm = at[a];
       sample.tool_id = 1 + std::uint32_t(a % 2);
       if (in(0, 1) < 0.9) sample.buttons = wire::kButtonCutting;
-      if (in(0, 1) < 0.03) sample.tool_id = 99;  // is rejected
+      if (in(0, 1) < 0.03) sample.tool_id = 99;  // rejected
     }
   }
   return all;
@@ -110,7 +110,7 @@ TEST_F(SessionCores, GiveTheBytesOfOneThreadInTheOrderOfTheJournal) {
       std::vector<std::size_t> rejections(expected.size());
       std::size_t first = 0;
       for (const auto& round : rounds) {
-        // Tools that do not cut are pushed by the stock as it is before the motions of a round.
+        // Tools that do not cut are pushed by the stock as of the beginning of the round.
         for (const std::uint32_t buttons : {0U, wire::kButtonCutting}) {
           for (std::size_t a = 0; a < kAgents; ++a) {
             if (round[a].buttons != buttons) continue;
@@ -155,8 +155,8 @@ TEST_F(SessionCores, GiveTheBytesOfOneThreadInTheOrderOfTheJournal) {
   EXPECT_GT(two.runs() + five.runs() + shuffled.runs(), 0);
 }
 
-// Far from each other, so that no tool touches what another one cuts. Without the obstacle, tools
-// that rest keep the force of the motion before them, which may be of the same frame.
+// The tools are far apart, so that none touches another one's cut. Without the obstacle, resting
+// tools keep the force of the previous motion, which may be of the same frame.
 TEST_F(SessionCores, GiveFramesOfSeveralSamplesTheResultsOfOneThread) {
   for (const std::string rays : {"dexel", "free"}) {
     SCOPED_TRACE(rays);
@@ -250,7 +250,7 @@ TEST_F(SessionOnTwoCores, CutALongMotionInPiecesAfterTheOthers) {
 }
 
 TEST_F(SessionOnTwoCores, AWideMotionTakesATurnsWorkOfOneThread) {
-  test::ThreadWorkers eight(8);  // in whose turn they could cut all of its 625 tiles
+  test::ThreadWorkers eight(8);  // eight threads, in whose turn they could cut all of its 625 tiles
   session->carve_on(eight);
   std::array wide = {next(0, 0, 1), next(0, 0, -1)};
   for (wire::MotionSample& sample : wide) sample.tool_id = 3;

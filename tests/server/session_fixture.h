@@ -23,10 +23,10 @@ inline constexpr const char* kScene = R"({
             {"id": 2, "shape": "flat", "diameter_mm": 6, "length_mm": 60}],
   "machine": {"kinematics": "tool-vector"}})";
 
-/// A registry with a temporary data folder; its sessions run on `executor`, step by step.
+/// A registry with a temporary data folder. Its sessions run on `executor`, step by step.
 class SessionTest : public testing::Test {
  protected:
-  /// Discards the sessions and creates a registry of the same folder, as a restarted server does.
+  /// Discards the sessions and creates a registry of the same folder, like a restarted server.
   void restart() {
     registry.emplace(
         RegistryOptions{.data_folder = folder.path(),

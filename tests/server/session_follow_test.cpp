@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A session that follows another one by a copy of its journal.
+// A session that follows another one through a copy of its journal.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -22,7 +22,7 @@ class SessionFollow : public SessionUndo {
   auto on_follower(Work work) {
     return run_and_wait(follower_->executor(), work);
   }
-  /// Copies the journal of the session as it is, and follows it.
+  /// Copies the journal of the session in its current state and follows it.
   void follow() {
     ASSERT_TRUE(session_->flush());
     changes_.emplace(session_->journal_file());
@@ -41,7 +41,7 @@ class SessionFollow : public SessionUndo {
       ASSERT_TRUE(copy.apply(**change));
     }
   }
-  /// Passes on what the session has committed; returns what came of it.
+  /// Passes on the session's committed records. Returns the result of following them.
   std::expected<void, std::string> pass_on() {
     EXPECT_TRUE(session_->flush());
     pass_on(*copy_);
@@ -59,7 +59,7 @@ class SessionFollow : public SessionUndo {
     }
     return {};
   }
-  /// The hash of the follower's block, when strokes that were undone have been taken out.
+  /// Returns the hash of the follower's block once undone strokes have been removed.
   std::uint64_t followers_hash() {
     while (on_follower([&] { return follower_->is_between_records(); })) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -133,8 +133,8 @@ TEST_F(SessionFollow, AStrokeThatChangesAgainWhileItIsTakenOutIsAsItsOwnerLeftIt
   }
 }
 
-// The tiles of the stroke are carved again from the records, and replaced; what is cut meanwhile is
-// not among these records.
+// The tiles of the stroke are carved again from the records and replaced. Cuts made in the meantime
+// are not among these records.
 TEST_F(SessionFollow, WhatItsOwnerCutsWhileAStrokeIsTakenOutStaysInItsBlock) {
   create();
   const ParticipantId ada = join("Ada"), bo = join("Bo");

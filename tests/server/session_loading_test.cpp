@@ -14,7 +14,7 @@ namespace {
 
 class SessionLoading : public SessionTest {
  protected:
-  /// Closes the journals of some carved sessions, and a registry that has found them.
+  /// Leaves closed journals of some carved sessions, and a registry that has found them.
   void leave_sessions(const std::vector<std::string>& ids) {
     for (const std::string& id : ids) {
       const auto session = *registry->create(id, kScene, SceneSource{});
@@ -170,12 +170,12 @@ TEST_F(SessionLoading, AServerThatStopsLoadsNoFurtherSessionAndReportsNoFailure)
   registry->stop_loading();
   EXPECT_FALSE(registry->load_next(report));
   EXPECT_TRUE(registry->loading().empty());
-  // A peer that waited for one comes again, and does not take it for gone.
+  // A peer that waited for a session returns, and does not assume that it is gone.
   const ApiResponse waited = ask("GET", "/v1/sessions/b");
   EXPECT_EQ(waited.status, 503U);
   EXPECT_EQ(body(waited)["error"]["code"], "stopping");
   EXPECT_EQ(waited.headers.at(0), std::pair(std::string("Retry-After"), std::string("1")));
-  // One that is being replayed fails soon.
+  // A session that is being replayed fails soon.
   std::stop_source stop;
   stop.request_stop();
   const auto replayed = replay(folder / "a.kerf", stop.get_token());

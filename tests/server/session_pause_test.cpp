@@ -48,7 +48,7 @@ TEST_F(SessionPause, MotionsAreRejectedWhileTheDiskIsFullAndNothingAcceptedIsLos
   carve_circle(*session, id);
   EXPECT_EQ(get("/readyz").status, 200U);
   disk.fail({DiskFault::kNoSpace, FaultTarget::kAll, 0});
-  // On a slow machine all motions before it are committed already.
+  // On a slow machine all motions before it may already be committed.
   move(*session, id, 10 * std::cos(6.4), 10 * std::sin(6.4), -3.1);
   EXPECT_FALSE(session->flush());
   move(*session, id, 0, 0, -5);  // too fast: the next motion starts there
@@ -139,7 +139,7 @@ TEST_F(SessionPause, AJournalWithAHashBeyondItsEndIsLoadedAndNamed) {
       EXPECT_EQ(report.shortened[0].id, "block");
       EXPECT_EQ(report.shortened[0].last_sequence, sequence_then);
     }
-    // The records that follow pass the sequence of the dropped hash.
+    // Later records reach the sequence of the dropped hash.
     const auto session = registry->find("block");
     sequence = 0;
     carve_circle(*session, join(*session));
@@ -167,7 +167,7 @@ TEST_F(SessionPause, AnUnreadableJournalIsListedAndItsIdStaysTaken) {
   ASSERT_FALSE(created);
   EXPECT_EQ(created.error().code, RegistryErrorCode::kExists);
   EXPECT_EQ(std::filesystem::file_size(folder / "block.kerf"), 5000U);
-  // Its operator moves the file away.
+  // The operator moves the file away.
   std::filesystem::remove(folder / "block.kerf");
   EXPECT_TRUE(registry->create("block", kScene, SceneSource{}));
   EXPECT_FALSE(registry->unreadable("block"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What roles, mutes, removals and reserved regions do to the participants of a session.
+// Effects of roles, mutes, removals and reserved regions on the participants of a session.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -28,7 +28,7 @@ class SessionRightsTest : public SessionTest {
     request.is_personal = !grant.empty();
     return session->join(request);
   }
-  /// The code of the only rejection of a motion from the newest pose to this one.
+  /// Returns the code of the only rejection of a motion from the newest pose to this one.
   std::optional<ErrorCode> cut_to(ParticipantId id, double x, double y, double z) {
     const MotionAnswer answer = move(*session, id, x, y, z);
     if (answer.rejections.empty()) return std::nullopt;
@@ -61,7 +61,7 @@ TEST_F(SessionRightsTest, AMutedParticipantCutsNothingUntilUnmuted) {
   ASSERT_TRUE(session->set_muted(id, false));
   const double before = session->info().removed_mm3;
   EXPECT_EQ(cut_to(id, 6.01, 0, -1), std::nullopt);
-  // The motion begins where the muted tool was: what it passed is not cut.
+  // The motion begins at the muted tool's pose: its earlier path is not cut.
   EXPECT_LT(session->info().removed_mm3 - before, 17);
   EXPECT_FALSE(session->set_muted(99, true));
 }
@@ -139,7 +139,7 @@ TEST_F(SessionRightsTest, OfTwoChangesOfRegionsTheNewestStays) {
   net::Api api(options, *registry, metrics, *access);
   ASSERT_TRUE(access->reserve("block", {.min_mm = {5, -20, -20}, .max_mm = {20, 20, 10}}));
   api.tell_regions(*session);
-  // Another request, whose own message to the session came before the one above.
+  // Another request, which posted to the session before the one above.
   ASSERT_TRUE(access->release("block", 1));
   executor->run();
   const ParticipantId id = join_as(Role::kSculptor)->id;
@@ -199,13 +199,13 @@ TEST_F(SessionRightsTest, GuestsAreFewAndSlow) {
   EXPECT_EQ(join_as(Role::kGuest).error().code, ErrorCode::kBusy);
   EXPECT_TRUE(join_as(Role::kGuest, "", ParticipantKind::kViewer));
   const ParticipantId sculptor = join_as(Role::kSculptor)->id;
-  // 1 mm in 1 ms is faster than a guest may cut, and not faster than a sculptor.
+  // 1 mm in 1 ms exceeds the speed limit of a guest but not of a sculptor.
   cut_to(guests[0], 0, 0, -1);
   EXPECT_EQ(cut_to(guests[0], 1, 0, -1), ErrorCode::kTooFast);
   EXPECT_EQ(cut_to(guests[0], 1.4, 0, -1), std::nullopt);
   cut_to(sculptor, 0, 5, -1);
   EXPECT_EQ(cut_to(sculptor, 1, 5, -1), std::nullopt);
-  // A guest that comes and goes all the time waits.
+  // A guest that joins and leaves repeatedly must wait.
   for (const ParticipantId guest : guests) session->leave(guest);
   EXPECT_EQ(join_as(Role::kGuest).error().code, ErrorCode::kBusy);
 }
@@ -235,7 +235,7 @@ TEST_F(SessionRightsTest, OnlyItsParticipantAndOwnersCutInAReservedRegion) {
   EXPECT_EQ(cut_to(grace, -5, 0, -1), std::nullopt);
 }
 
-// A motion that was rejected has left no trace: what the journal gives is what the session has.
+// A rejected motion leaves no trace: a replay gives the session's block.
 TEST_F(SessionRightsTest, ReplayDoesNotDependOnRegions) {
   const ParticipantId id = join_as(Role::kSculptor)->id;
   session->reserve({{1, {0, -20, -20}, {20, 20, 0}, 0, ""}});
@@ -252,7 +252,7 @@ TEST_F(SessionRightsTest, ReplayDoesNotDependOnRegions) {
   EXPECT_EQ(session->info().removed_mm3, removed);
 }
 
-// Every pose between the ends, sampled: the tool's own box must lie in the bounds.
+// At every sampled pose between the ends, the tool's own box must be inside the bounds.
 TEST(SweptBounds, ContainTheToolAtEveryPoseOfAMotion) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> any(-1, 1);

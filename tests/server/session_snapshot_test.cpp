@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-/// Runs work at once, on the thread that posts it; never what is delayed.
+/// Runs work at once on the posting thread, and never runs delayed work.
 class AtOnce final : public Executor {
  public:
   void post(Work work) override { work(); }
@@ -30,7 +30,7 @@ class SessionSnapshots : public SessionTest {
     SessionTest::SetUp();
   }
   std::filesystem::path journal() const { return folder / "block.kerf"; }
-  /// Writes the snapshot that is due, if there is one.
+  /// Writes the snapshot if one is due.
   void write_due() {
     writer.run();
     executor->run();
@@ -52,7 +52,7 @@ class SessionSnapshots : public SessionTest {
   test::ManualExecutor writer;
 };
 
-/// What two sessions restored from one journal must have in common.
+/// Compares two sessions restored from one journal.
 void expect_equal(Replayed& found, Replayed& expected) {
   EXPECT_EQ(found.last_sequence, expected.last_sequence);
   EXPECT_EQ(found.hash.sequence, expected.hash.sequence);
@@ -113,7 +113,7 @@ class Crowd {
     std::uniform_real_distribution<double> side(-22, 22), depth(-15, 5);
     return {side(random_), side(random_), depth(random_)};
   }
-  /// Cuts, and moves through the air that are joined.
+  /// Cuts, and air motions that are joined.
   Program program() {
     Program program;
     program.name = "path.ngc";
@@ -161,7 +161,7 @@ TEST_F(SessionSnapshots, ARestoredBlockIsThatOfAFullReplayWhereverTheJournalEnds
       ASSERT_TRUE(restored && expected) << describe(expected.error());
       EXPECT_EQ(restored->snapshot_fault, "");
       expect_equal(*restored, *expected);
-      // Both go on alike.
+      // Both continue in the same manner.
       const MoveTool move{1, {{-9, 1, -2}, {0, 0, 1}}, {{9, -3, -4}, {0, 0, 1}}, 0.1, false};
       for (const MoveTool& next : {move, MoveTool{1, move.to, move.from, 0.1, false}}) {
         const auto a = restored->sculpture.apply(next), b = expected->sculpture.apply(next);
@@ -227,7 +227,7 @@ TEST_F(SessionSnapshots, ASnapshotThatDoesNotFitIsIgnoredAndNamed) {
   expect_ignored("truncated");
   std::ofstream(file) << "nonsense";
   expect_ignored("not a snapshot");
-  // Written when the block held something else.
+  // A snapshot written when the block was different.
   Sculpture block = Sculpture::create(expected->scene.settings).value();
   const auto head = read_snapshot_head(good);
   SnapshotHead other = *head;
@@ -270,7 +270,7 @@ TEST_F(SessionSnapshots, TheOneBeforeADamagedNewestOneIsUsed) {
   std::filesystem::resize_file(newest, std::filesystem::file_size(newest) - 1);
   expect_restored_from(before, "it is truncated");
 
-  // The next one takes the place of the damaged one, and the good one stays.
+  // The next snapshot replaces the damaged one, and the good one stays.
   restart();
   const LoadReport report = registry->load_all();
   ASSERT_EQ(report.ignored.size(), 1U);

@@ -19,7 +19,7 @@ namespace {
 
 TEST_F(SessionTest, SamplesAboveTheRateLimitLeaveAGapInTheCut) {
   limits.samples_burst = 2;
-  limits.samples_per_s = 4;  // none comes back during the first three, on a busy machine too
+  limits.samples_per_s = 4;  // no sample is regained during the first three, even on a busy machine
   restart();
   const auto session = start();
   const auto id = join(*session);
@@ -143,8 +143,8 @@ TEST_F(SessionTest, RegistryRestoresSessions) {
   EXPECT_GT(join(*session), 1U);
 }
 
-/// Stores what another version of the kernel would have: its version, and a hash that this one does
-/// not compute.
+/// Stores data of another kernel version: its version, and a hash that this kernel does not
+/// compute.
 void pretend_kernel_version(const std::filesystem::path& file, const std::string& statement) {
   auto database = SqlDatabase::open(file, SqlMode::kWrite);
   ASSERT_TRUE(database);
@@ -175,7 +175,7 @@ TEST_F(SessionTest, JournalOfAnotherKernelIsRecarvedOnceAndKeepsItsNewHash) {
     EXPECT_NE(report.recarved[0].kernel_version, kKernelVersion);
     EXPECT_EQ(registry->find("block")->current_hash()->hash, hash);
     ASSERT_TRUE(registry->find("block")->flush());
-    // From now on the journal is one of this kernel.
+    // From now on the journal belongs to this kernel.
     const auto again = replay(file);
     ASSERT_TRUE(again) << describe(again.error());
     EXPECT_FALSE(again->is_recarved());
@@ -272,7 +272,7 @@ TEST_F(SessionTest, AgentsAreServedBetweenProgramSlices) {
   move(*session, id, 0, 0, -1);
   EXPECT_GT(move(*session, id, 0, 1, -1).result.motions_applied, 0U);
   executor->run_one();
-  EXPECT_EQ(executor->waiting(), 0U);  // an agent moves: the next slice waits for a pause
+  EXPECT_EQ(executor->waiting(), 0U);  // an agent is moving: the next slice waits for a pause
   EXPECT_GE(executor->last_delay.count(), 200);
   while (session->program(run->id)->state == ProgramState::kRunning) executor->run_delayed();
   EXPECT_EQ(session->program(run->id)->state, ProgramState::kFinished);

@@ -75,7 +75,7 @@ TEST_F(SessionUndo, TheNewestStrokeIsTheOneWhenTheRequestCame) {
   auto first = ask({.undone = true, .strokes = {b}});
   wait_for_turns(1);
   executor_->run();
-  wait_for_turns(1);  // It has the history until it gets this turn.
+  wait_for_turns(1);  // it has the history until it gets this turn
   auto newest = ask({.undone = true, .participant = ada});
   wait_for_turns(2);
   executor_->run();
@@ -128,7 +128,7 @@ TEST_F(SessionUndo, AnUndoneStrokeIsNotContinued) {
   for (int n = 0; n < 10; ++n) move(ada, {-10.0 + n, 0, -1});
   undo({first});
   EXPECT_EQ(hash(), never_happened());
-  // Ada's tool is in the stock that has come back: it cuts nothing until it is clear.
+  // Ada's tool is inside returned stock: it cuts nothing until it is clear.
   const auto held = move(ada, {1, 0, -1});
   ASSERT_EQ(held.rejections.size(), 1U);
   EXPECT_EQ(held.rejections.front().code, wire::ErrorCode::kInStock);
@@ -176,7 +176,7 @@ TEST_F(SessionUndo, AMotionInPiecesIsCompletedBeforeItsStrokeIsTakenOut) {
   int turns = 0;
   bool answered = false;
   const auto done = change({.undone = true, .strokes = {in_pieces}}, [&] {
-    // Late: without the wait, the tiles have been replaced by then.
+    // Late enough: without the wait, the tiles would have been replaced by then.
     if (++turns > 400 && !answered) answered = session_->go_on(ada).has_value();
   });
   ASSERT_TRUE(done) << done.error().reason;
@@ -212,7 +212,7 @@ TEST_F(ResumedUndo, AnAgentThatResumesAfterARestartBeginsAStroke) {
   const auto resumed = session_->admit(request_);
   ASSERT_TRUE(resumed);
   ASSERT_TRUE(resumed->resumed);
-  // A sample that the session knows places the tool, so that the next motion begins there.
+  // A sample that the session already has places the tool, so that the next motion begins there.
   --sequences_[ada_];
   move(ada_, {-6, 0, -1});
   for (int n = 0; n < 5; ++n) move(ada_, {-5.0 + n, 0, -1});
@@ -320,7 +320,7 @@ TEST_F(SessionUndo, RequestsThatMakeNoSenseOrAreNotAllowedChangeNothing) {
   EXPECT_EQ(code({.undone = true, .participant = 77}), kBadMessage);
   session_->set_role_of("", Role::kSculptor);
   StrokeRequest others{.undone = true, .strokes = {b}, .author = ada};
-  // All who join a server without rights are its administrators, and may.
+  // On a server without rights everybody is an administrator, who may do so.
   EXPECT_EQ(code(others), std::nullopt);
   EXPECT_EQ(code({.undone = false, .strokes = {b}}), std::nullopt);
   EXPECT_EQ(hash(), before);
@@ -346,7 +346,7 @@ TEST_F(SessionUndo, WhatCouldNotBeCarvedIsCarvedLater) {
   const ParticipantId ada = join("Ada");
   const std::uint64_t untouched = hash();
   const StrokeId a = stroke(ada, {-15, 0, -2}, {15, 0, -2});
-  // The client goes once the change has been journaled.
+  // The client disconnects once the change has been journaled.
   std::stop_source gone;
   const std::uint64_t records = session_->sequence();
   const auto changed = change(

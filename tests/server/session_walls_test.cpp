@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The walls and grooves of a session that are thinner than the pitch.
+// Walls and grooves of a session thinner than the pitch.
 #include "server/session/session_walls.h"
 
 #include <gmock/gmock.h>
@@ -70,7 +70,7 @@ TEST_F(SessionWalls, SaysWhetherTheTargetHoldsAtThinWalls) {
   const auto lost = walls(*session)["target"];
   EXPECT_EQ(lost["kept"], false);
   EXPECT_LE(lost["needs_pitch_mm"], 0.205);
-  // What the session states without being asked names the exception.
+  // The information that every session states names the exception.
   EXPECT_THAT(accuracy_json(session->scene()), HasSubstr("more where a wall or groove is thinner"));
 }
 

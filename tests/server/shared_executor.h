@@ -21,12 +21,13 @@ class SharedExecutor final : public Executor {
     const std::lock_guard lock(mutex_);
     queue_.post_after(delay, std::move(work));
   }
-  /// Runs all that is posted and, with `delayed`, all that waits.
+  /// Runs all posted work and, with `delayed`, all delayed work.
   void run(bool delayed = false) {
     while (run_one(std::exchange(delayed, false))) {
     }
   }
-  /// Runs the oldest posted work; false if there is none. With `delayed`, what waits is posted.
+  /// Runs the oldest posted work. Returns false if there is none. With `delayed`, posts delayed
+  /// work first.
   bool run_one(bool delayed = false) {
     Work next;
     {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Snapshot files that cannot be used, and those that could not be written.
+// Unusable snapshot files, and snapshots that could not be written.
 #include <sys/resource.h>
 
 #include <array>
@@ -48,7 +48,7 @@ class SnapshotFaults : public SessionTest {
 
 TEST_F(SnapshotFaults, AShortFileThatStatesALongChunkIsIgnoredWithoutMemoryForIt) {
   leave();
-  // A Zstandard frame of one repeated byte: 4,294,967,295 bytes by its header.
+  // A Zstandard frame of one repeated byte: 4,294,967,295 bytes according to its header.
   const std::array<unsigned char, 13> packed = {0x28, 0xB5, 0x2F, 0xFD, 0xA0, 0xFF, 0xFF,
                                                 0xFF, 0xFF, 0x0B, 0x00, 0x00, 0x00};
   const std::span<const std::byte> frame = std::as_bytes(std::span(packed));
@@ -124,7 +124,7 @@ TEST_F(SnapshotFaults, AnExceptionWhileOneIsWrittenDoesNotPreventTheNext) {
   EXPECT_THROW(writer.run(), std::runtime_error);
   executor->run();
   std::filesystem::remove(unfinished);
-  // Due after ten times the time that the failed one took.
+  // Due after ten times the duration of the failed attempt.
   for (int n = 0; n < 1000 && !std::filesystem::exists(snapshot_file(journal())); ++n) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     move(*session, id, 1 + 0.01 * n, 0, -1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// When snapshots of a session are written.
+// The schedule of a session's snapshots.
 #include "server/session/snapshot_schedule.h"
 
 #include <gtest/gtest.h>
@@ -35,13 +35,13 @@ TEST(SnapshotSchedules, AreDueByReplayTimeAndByAgeButNotTooOften) {
   EXPECT_TRUE(schedule.is_due(102, seconds(9), start + seconds(13))) << "once more";
 }
 
-// A server that is killed at any moment, while its session does nothing but carve and a snapshot
-// takes a second to write.
+// A server killed at any moment, whose session only carves and whose snapshots take a second to
+// write.
 TEST(SnapshotSchedules, KeepEveryRestartBelowThreeSeconds) {
   using std::chrono::milliseconds, std::chrono::seconds, std::chrono::minutes;
   const Clock::time_point start{};
   SnapshotSchedule schedule({seconds(1), minutes(10), seconds(2)}, 0, seconds(0), start);
-  milliseconds written_at{-1};  // of the one being written
+  milliseconds written_at{-1};  // record of the one being written
   milliseconds longest{0}, writing{0};
   for (milliseconds work{0}; work < minutes(2); work += milliseconds(10)) {
     const auto sequence = static_cast<std::uint64_t>(work.count());

@@ -30,7 +30,7 @@ Sculpture block(Rays rays) {
   return s;
 }
 
-/// The server's block, the feed of an agent and its replica.
+/// The server's block, an agent's feed and its replica.
 class StockFeedTest : public testing::TestWithParam<Rays> {
  protected:
   void cut_own(Vec3 from, Vec3 to) {
@@ -72,7 +72,7 @@ class StockFeedTest : public testing::TestWithParam<Rays> {
     const TileReplacement whole{at, nullptr};
     block.replace({&whole, 1});
   }
-  /// All stock of the server's block comes back near a place; returns the tiles.
+  /// Restores all stock of the server's block near a point. Returns the tiles.
   std::vector<FieldTile> undo_near(Vec3 place) {
     std::vector<FieldTile> tiles;
     for (const RayAxis axis : {RayAxis::kZ, RayAxis::kX, RayAxis::kY}) {

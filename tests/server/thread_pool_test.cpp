@@ -28,7 +28,7 @@ TEST(ThreadPool, RunsEachJobOnce) {
   }
 }
 
-// On a loaded machine some runs are done without helpers.
+// On a loaded machine some runs finish without helpers.
 TEST(ThreadPool, HelpersThatSleepAtOnceAreWoken) {
   using Clock = std::chrono::steady_clock;
   ThreadPool pool(2, ThreadPool::Idle::kSleeps);
@@ -122,7 +122,7 @@ TEST(ThreadPool, ADelayedCallerWorksAloneForSomeRuns) {
 }
 
 TEST(ThreadPool, ThrowsTheExceptionOfTheLowestFailedJob) {
-  // Also with a pool of one thread, and while the caller works alone after a delay.
+  // Also in a pool of one thread, and while the caller works alone after a delay.
   ThreadPool several(4), one(1);
   for (int repetition = 0; repetition < 100; ++repetition) {
     ThreadPool& pool = repetition % 2 == 0 ? several : one;

@@ -30,7 +30,7 @@ Sculpture carved_block(unsigned seed, Rays rays, int cuts) {
   return sculpture;
 }
 
-/// Returns tiles at the levels given by `level`; a border has the finer level of its two tiles.
+/// Returns tiles at the levels given by `level`. A border has the finer level of its two tiles.
 template <typename Level>
 std::vector<TileMesh> mesh_at(const std::vector<TileMesh>& exact, const DexelGrid& grid,
                               const Level& level) {

@@ -19,14 +19,14 @@ using test::Screen;
 
 const BoxStock kBlock{{0, 0, 0}, {40, 30, 8}};
 constexpr milliseconds kTick{33};
-/// What a tile of these blocks has at most in a frame of its own.
+/// Maximum size of a tile of these blocks in a frame of its own.
 constexpr double kTileBytesMax = 25'000;
 
 double seconds(ByteBudget::Time::duration time) {
   return std::chrono::duration<double>(time).count();
 }
 
-/// One viewer with a budget, and when it was sent how much.
+/// A viewer with a budget, and the times and sizes of its frames.
 class Limited {
  public:
   Limited(TileFeed& feed, std::uint32_t budget)
@@ -59,7 +59,7 @@ class TileFeedBudgetTest : public ::testing::TestWithParam<unsigned> {
 
   void cut() { feed_.note_change(sculpture_.solid(), carver_.cut(), ++revision_); }
   bool chance(double share) { return carver_.uniform(0, 1) < share; }
-  /// Ticks until the viewer has everything; returns the time that it took, s.
+  /// Ticks until the viewer has everything. Returns the elapsed time, s.
   double settle(Limited& viewer) {
     const auto start = now_;
     while (!viewer.has_all() && seconds(now_ - start) < 120) viewer.tick(now_ += kTick);
@@ -124,7 +124,7 @@ TEST_P(TileFeedBudgetTest, ATileThatChangesIsNeverOldWhateverTheBlockLacks) {
   const ViewerId reference = feed_.add_viewer();
   Screen exact;
   exact.drain(feed_, reference);
-  // Since when there is a version that the viewer lacks.
+  // When the oldest version that the viewer lacks appeared.
   std::map<TileIndex, ByteBudget::Time> lacks;
   double oldest_s = 0;
   for (int n = 0; n < 120; ++n) {
@@ -141,7 +141,7 @@ TEST_P(TileFeedBudgetTest, ATileThatChangesIsNeverOldWhateverTheBlockLacks) {
     }
   }
   EXPECT_GT(viewer.screen.levels()[1], 0);
-  // All tiles of the block take that long at level 1, and three times as long exactly.
+  // Sending all tiles of the block takes this long at level 1, and three times as long exactly.
   EXPECT_LT(oldest_s, 1.0);
 }
 
@@ -149,7 +149,7 @@ TEST_P(TileFeedBudgetTest, AChangeLeavesAtOnceWhileOthersComeToTheirLevel) {
   Limited viewer(feed_, 200'000);
   settle(viewer);
   for (int n = 0; n < 8; ++n) cut();
-  // All are coarse, and some have come to their level since.
+  // All tiles are coarse, and some have reached their level since.
   const auto coarse = [&] { return viewer.screen.levels()[1]; };
   int most = 0;
   for (int n = 0; n < 300 && coarse() >= most; ++n) {
@@ -227,7 +227,7 @@ TEST_P(TileFeedBudgetTest, ViewersOfTheSameBudgetShareTheirFrames) {
   const auto before = feed_.stats();
   run(15, true);
   const auto after = feed_.stats();
-  // The third one has caught up, and its budget too.
+  // The third viewer has caught up, and its budget has recovered.
   EXPECT_EQ(after.frames_shared - before.frames_shared,
             2 * (after.frames_composed - before.frames_composed));
 }

@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-/// Takes and acknowledges all frames for a viewer; returns their number.
+/// Takes and acknowledges all frames for a viewer. Returns their number.
 int drain(TileFeed& feed, ViewerId viewer) {
   int frames = 0;
   for (; auto frame = feed.next_frame(viewer); ++frames) {

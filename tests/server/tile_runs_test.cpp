@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-/// The surfaces that two viewers of one feed have, tile by tile.
+/// The surfaces seen by two viewers of one feed, tile by tile.
 struct Surfaces {
   std::map<TileIndex, test::DecodedTile> tiles;
   std::size_t bytes = 0, nodes = 0;
@@ -28,7 +28,7 @@ struct Surfaces {
   }
 };
 
-/// The nearest double to a position may differ by rounding in sums.
+/// Positions may differ by rounding in sums.
 void expect_same_surface(const Surfaces& one, const Surfaces& other) {
   ASSERT_EQ(one.tiles.size(), other.tiles.size());
   for (const auto& [index, tile] : one.tiles) {

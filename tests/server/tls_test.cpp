@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// TLS channels against each other, and against peers that do not speak it.
+// TLS channels against each other, and against peers that do not speak TLS.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <openssl/ssl.h>
@@ -29,12 +29,12 @@ class TlsTest : public testing::Test {
     close(ends_[0]);
     if (ends_[1] >= 0) close(ends_[1]);
   }
-  /// A channel to `host` whose peer says this.
+  /// A channel to `host` whose peer sends `said`.
   std::unique_ptr<TlsChannel> channel(const std::string& host, std::string_view said) {
     const auto context = TlsContext::of_client({});
     EXPECT_TRUE(context) << context.error();
     auto made = std::make_unique<TlsChannel>(*context, ends_[0], host);
-    EXPECT_EQ(made->handshake(), TlsStep::kWantsRead);  // its hello has left
+    EXPECT_EQ(made->handshake(), TlsStep::kWantsRead);  // its hello has been sent
     EXPECT_EQ(write(ends_[1], said.data(), said.size()), static_cast<ssize_t>(said.size()));
     return made;
   }
@@ -81,7 +81,7 @@ TEST_F(TlsTest, AClosedPeerRaisesNoSignal) {
   EXPECT_FALSE(made.is_final());
 }
 
-/// A server and a client on the two ends.
+/// A server and a client at the two ends.
 class TlsPair : public TlsTest {
  protected:
   void SetUp() override { test::certify(folder_ / "good"); }
@@ -96,7 +96,7 @@ class TlsPair : public TlsTest {
   static bool is_waiting(TlsStep step) {
     return step == TlsStep::kWantsRead || step == TlsStep::kWantsWrite;
   }
-  /// Shakes hands; whether both have.
+  /// Shakes hands. Returns whether both sides succeeded.
   static bool shake(TlsChannel& server, TlsChannel& client) {
     TlsStep there = TlsStep::kWantsRead, here = TlsStep::kWantsRead;
     while (is_waiting(here) && there != TlsStep::kFailed) {
@@ -199,7 +199,7 @@ TEST(TlsCertificate, OneThatIsNotValidNowIsNamedWithItsDates) {
   EXPECT_TRUE(std::regex_search(
       fault, std::regex("from 20..-..-.. ..:..:.. UTC to 20..-..-.. ..:..:.. UTC")))
       << fault;
-  // Neither takes the place of one that is valid.
+  // Neither replaces a valid one.
   const std::int64_t expires_s = good->current().expires_s();
   for (const auto& [begins_s, ends_s] : {std::pair(-2 * kDay, -kDay), std::pair(kDay, 2 * kDay)}) {
     test::certify(folder / "good", {.begins_s = begins_s, .ends_s = ends_s});

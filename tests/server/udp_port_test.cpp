@@ -28,7 +28,7 @@ TEST(UdpAddress, ReadsNumericAddressesOnly) {
   }
 }
 
-/// A socket of IPv4 that waits for 5 s at most, which only ends a failed test.
+/// An IPv4 socket with a receive timeout of 5 s, which only a failed test reaches.
 int open_socket() {
   const int opened = ::socket(AF_INET, SOCK_DGRAM, 0);
   EXPECT_GE(opened, 0);
@@ -67,7 +67,7 @@ class UdpPortTest : public SessionTest {
     ASSERT_EQ(::send(client, datagram.data(), datagram.size(), 0),
               static_cast<ssize_t>(datagram.size()));
   }
-  /// Waits until the metrics hold the line; the bound only ends a test that has failed.
+  /// Waits until the metrics contain the line. Only a failed test reaches the bound.
   bool becomes(const std::string& line) {
     for (int n = 0; n < 1000; ++n) {
       if (metrics.text(*registry).contains("\n" + line + "\n")) return true;
@@ -173,7 +173,7 @@ class Elsewhere {
                        reinterpret_cast<const sockaddr*>(&server_.peer), server_.peer_bytes),
               static_cast<ssize_t>(datagram.size()));
   }
-  /// Where the next datagram comes from; empty: there is none.
+  /// Returns the sender of the next datagram; empty if there is none.
   std::string source(int flags = 0) const {
     std::array<char, 2048> bytes{};
     sockaddr_in from{};

@@ -36,7 +36,7 @@ class SessionUndo : public testing::Test {
                         .matters = matters_},
         [this](const std::string&) { return executor_; }, workers_);
   }
-  /// Forgets everything.
+  /// Discards everything and starts again.
   void renew() {
     session_.reset();
     registry_.reset();
@@ -75,7 +75,7 @@ class SessionUndo : public testing::Test {
     EXPECT_TRUE(joined);
     return joined->id;
   }
-  /// The next sample of a participant, whose tool is tool 1 and upright.
+  /// The next sample of a participant with an upright tool 1.
   wire::MotionSample next(ParticipantId id, Vec3 tip, bool cuts) {
     wire::MotionSample sample;
     sample.agent_sequence = ++sequences_[id];
@@ -85,12 +85,12 @@ class SessionUndo : public testing::Test {
     sample.buttons = cuts ? wire::kButtonCutting : 0;
     return sample;
   }
-  /// Moves the tool of a participant, which cuts, or with `cuts` false only moves.
+  /// Moves the tool of a participant, cutting unless `cuts` is false.
   MotionAnswer move(ParticipantId id, Vec3 tip, bool cuts = true) {
     const wire::MotionSample sample = next(id, tip, cuts);
     return session_->move(id, {&sample, 1});
   }
-  /// A stroke along a line at a depth; returns its number.
+  /// Cuts a stroke along a line at a depth. Returns its number.
   StrokeId stroke(ParticipantId id, Vec3 from, Vec3 to, int steps = 20) {
     move(id, from + Vec3{0, 0, 10}, false);
     move(id, from, false);
@@ -101,8 +101,8 @@ class SessionUndo : public testing::Test {
     move(id, to + Vec3{0, 0, 10}, false);
     return first;
   }
-  /// Carries out a request on another thread, and calls `meanwhile` between the turns of the
-  /// session's executor.
+  /// Carries out a request on another thread. Calls `meanwhile` between the turns of the session's
+  /// executor.
   std::expected<StrokesChanged, Rejection> change(
       StrokeRequest request, const std::function<void()>& meanwhile = [] {},
       const std::stop_token& stop = {}) {
@@ -128,8 +128,8 @@ class SessionUndo : public testing::Test {
     EXPECT_TRUE(done) << done.error().reason;
     return done.value_or(StrokesChanged{});
   }
-  /// The hash of a block in which the strokes that were undone after a record, by default the
-  /// last one, have never happened.
+  /// Returns the hash of a block in which the strokes undone as of a record, by default the last
+  /// one, never happened.
   std::uint64_t never_happened(std::uint64_t record = std::numeric_limits<std::uint64_t>::max()) {
     EXPECT_TRUE(session_->flush());
     auto reader = JournalReader::open(session_->journal_file());
@@ -158,7 +158,7 @@ class SessionUndo : public testing::Test {
   SessionLimits limits_ = {};
   SnapshotOptions snapshots_ = {};   ///< none by default
   std::vector<MakeMatter> matters_;  ///< none by default
-  Workers* carvers_ = nullptr;       ///< help to carve, and undo; null: two threads undo
+  Workers* carvers_ = nullptr;       ///< threads for carving and undo; null: undo uses two threads
   std::optional<test::TemporaryFolder> folder_{std::in_place};
   std::shared_ptr<test::SharedExecutor> executor_ = std::make_shared<test::SharedExecutor>();
   test::SharedExecutor workers_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Histories at random: strokes of every tool by several hands, alone and at the same time, undo,
-// redo, branches, restarts with and without a snapshot, and looks back, each followed by a
-// comparison with the block that is carved from the surviving strokes alone.
+// Random histories: strokes with every tool by several hands, alone and in parallel, undo, redo,
+// branches, restarts with and without a snapshot, and looks back. After each step the block is
+// compared with one carved from the surviving strokes alone.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace kerf {
 namespace {
 
-/// One of several schedules, which can be changed at any time.
+/// One of several schedules, switchable at any time.
 class ChosenWorkers final : public Workers {
  public:
   void choose(std::size_t number) { chosen_ = all_[number % all_.size()]; }
@@ -79,7 +79,7 @@ class RandomHistory : public SessionUndo {
     hands_ = {join("Ada"), join("Bo"), join("Cy")};
   }
 
-  /// A stroke of each hand, sample by sample at the same time.
+  /// Carves a stroke of each hand in parallel, sample by sample.
   void carve(const std::vector<ParticipantId>& hands) {
     struct Line {
       Vec3 from, to;
@@ -114,7 +114,7 @@ class RandomHistory : public SessionUndo {
     }
   }
 
-  /// Undoes or redoes up to three of the strokes for which that is possible.
+  /// Undoes or redoes up to three eligible strokes.
   void change_some(bool undone) {
     std::vector<StrokeId> possible;
     const auto strokes = session_->strokes(0);
@@ -129,7 +129,7 @@ class RandomHistory : public SessionUndo {
     EXPECT_TRUE(done) << done.error().reason;
   }
 
-  /// Goes on in a branch from some record of the block; the block itself is deleted.
+  /// Continues in a branch from a random record. Deletes the original session.
   void branch_off() {
     const std::uint64_t record = one_of(session_->sequence() + 1);
     const std::uint64_t expected = never_happened(record);

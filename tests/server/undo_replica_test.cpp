@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the replicas of agents get when strokes are undone.
+// Updates of agents' replicas after undo.
 #include "tests/server/undo_fixture.h"
 
 namespace kerf {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which uploaded files are kept, and whose.
+// Which uploaded files of which owner are kept.
 #include "server/http/upload_folder.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 class Uploads : public ::testing::Test {
  protected:
-  /// Stores a file and makes it older than those to come.
+  /// Stores a file with an older date than all later ones.
   std::string keep(const std::string& owner, const std::string& bytes) {
     const std::string name = uploads_.keep(owner, ".stl", bytes);
     EXPECT_FALSE(name.empty());

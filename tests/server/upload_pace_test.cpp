@@ -30,7 +30,7 @@ TEST(UploadPace, AnUploadHasItsFirstSecondsAndThoseOfItsBytes) {
 
 class SlowUpload : public testing::Test {
  protected:
-  static constexpr std::size_t kBytes = 1000;  // all that one client may hold
+  static constexpr std::size_t kBytes = 1000;  // maximum for one client
 
   void start(const UploadPace& pace) {
     ServerOptions options;
@@ -55,13 +55,13 @@ class SlowUpload : public testing::Test {
     EXPECT_TRUE(peer.send(head));
     return peer;
   }
-  /// The answer, which is short.
+  /// Returns the answer, which is short.
   static Answer answer(const Peer& peer) {
     std::string bytes;
     peer.receive(bytes);
     return test::read_answer(bytes);
   }
-  /// The answer to a whole upload.
+  /// Uploads everything and returns the answer.
   Answer upload() const {
     const Peer peer = begin();
     EXPECT_TRUE(peer.send(std::string(kBytes, ' ')));
@@ -74,8 +74,8 @@ class SlowUpload : public testing::Test {
 };
 
 TEST_F(SlowUpload, EndsWith408AndGivesItsMemoryBackAtOnce) {
-  start({.kilobytes_per_s = 1'000'000, .time_min = seconds(0)});  // any is too slow
-  // Each holds all that a client may, and keeps its connection open.
+  start({.kilobytes_per_s = 1'000'000, .time_min = seconds(0)});  // makes any upload too slow
+  // Each uses up the client's memory and keeps its connection open.
   std::vector<Peer> peers;
   for (int n = 0; n < 4; ++n) {
     const Peer& peer = peers.emplace_back(begin());
@@ -101,7 +101,7 @@ TEST_F(SlowUpload, HoldsItsMemoryWhileItMayGoOn) {
     const Peer unfinished = begin();
     while (upload().status != 503) continue;  // until the server has read the first header
   }
-  Answer later = upload();  // until the server knows that the first one has gone
+  Answer later = upload();  // until the server notices that the first client has gone
   while (later.status == 503) later = upload();
   EXPECT_EQ(later.status, 400U) << later.head;
 }

@@ -89,7 +89,7 @@ TEST_F(VersionsTest, AreRenamedInOneTransaction) {
   reload();
   EXPECT_EQ(versions().list().size(), 1U);
   EXPECT_EQ(versions().list()[0].name, "second");
-  // And back: the row of that name may be an old one.
+  // Rename it back: a row of that name may be left from before.
   ASSERT_TRUE(versions().rename("second", "first", Caller::local()));
   reload();
   ASSERT_EQ(versions().list().size(), 1U);

@@ -25,7 +25,7 @@ TEST_F(ViewerBudgetTest, AHelloOrALookMayStateABudget) {
   EXPECT_EQ(eve->budget(), 0U);
   EXPECT_EQ(welcome(R"(,"budget":200000)", 0).at("budget"), 200'000);
   EXPECT_EQ(eve->budget(), 200'000U);
-  // The server may bound those of all viewers.
+  // The server may limit the budget of every viewer.
   EXPECT_EQ(welcome(R"(,"budget":200000)", 100'000).at("budget"), 100'000);
   EXPECT_EQ(welcome("", 100'000).at("budget"), 100'000);
   EXPECT_EQ(welcome(R"(,"budget":25000)", 100'000).at("budget"), 25'000);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a viewer is sent that checks it.
+// Messages to a viewer that verifies its frames.
 #include "server/wire/checksum.h"
 #include "tests/server/conversation_fixture.h"
 
@@ -37,7 +37,7 @@ TEST_F(ViewerVerifyTest, PongsToWhoVerifiesSayWhichMeshFramesWereSent) {
   EXPECT_EQ(wire::decode(mesh).error().code, wire::DecodeErrorCode::kBadChecksum);
   EXPECT_EQ(pong(*grace), 1U);
   grace->send_mesh({.sequence = 2, .flags = 0, .glb = glb});
-  grace->begin_again(session->roster());  // the second frame is dropped, and counted
+  grace->begin_again(session->roster());  // the second frame is dropped but counted
   EXPECT_EQ(messages(*grace).at(0).at("meshes"), 2);
 
   const auto eve = viewer();

@@ -39,8 +39,8 @@ class WebSocketTest : public testing::Test {
     acceptor.accept(server_);
   }
 
-  /// Runs both coroutines to their ends, the client first, because the server waits for its request
-  /// without yielding; rethrows what they throw.
+  /// Runs both coroutines to their ends and rethrows their exceptions. The client starts first,
+  /// because the server waits for its request without yielding.
   template <class Server, class Client>
   void run(Server server, Client client) {
     const auto rethrow = [](const std::exception_ptr& error) {
@@ -116,7 +116,7 @@ TEST_F(WebSocketTest, ASilentPeerIsDroppedOnlyWhileSomebodyReads) {
         is_over = true;
       },
       [&]() -> asio::awaitable<void> {
-        WebSocket socket(std::move(client_), kLimits);  // reads nothing, so it answers no ping
+        WebSocket socket(std::move(client_), kLimits);  // reads nothing, so it answers no pings
         EXPECT_FALSE((co_await socket.shake_hands("localhost", "/", "kerf.test")).error);
         for (int n = 0; n < 2; ++n) {
           EXPECT_FALSE(co_await socket.write(true, asio::buffer(hello)));
@@ -147,14 +147,14 @@ TEST_F(WebSocketTest, HeldMessagesLeaveWithTheNextOne) {
         socket->hold(false);
         EXPECT_FALSE(co_await socket->write(false, asio::buffer(tiles)));
         EXPECT_EQ(arrived(), 3 * 7);
-        // Nothing follows.
+        // Nothing more is sent.
         socket->hold(true);
         EXPECT_FALSE(co_await socket->write(false, asio::buffer(poses)));
         EXPECT_EQ(arrived(), 3 * 7);
         socket->flush();
         socket->flush();
         EXPECT_EQ(arrived(), 4 * 7);
-        // More than is held here waits in the operating system.
+        // The operating system buffers more than this side holds back.
         for (int n = 0; n < 4; ++n)
           EXPECT_FALSE(co_await socket->write(false, asio::buffer(long_one)));
         EXPECT_EQ(arrived(), 4 * 7);

@@ -19,7 +19,8 @@ class FollowersTest : public test::NatsTest {
   std::shared_ptr<test::ManualExecutor> executor_ = std::make_shared<test::ManualExecutor>();
 };
 
-/// A viewer that came just after the leases were listed got a `bye`: the session had ended.
+/// Bug: a viewer that arrived just after the leases were listed got a `bye`, as if the session had
+/// ended.
 TEST_F(FollowersTest, AListOfSessionsDoesNotEndWhatIsWantedSinceItWasMade) {
   RegistryOptions options;
   options.data_folder = folder_.path();
@@ -27,7 +28,7 @@ TEST_F(FollowersTest, AListOfSessionsDoesNotEndWhatIsWantedSinceItWasMade) {
   Followers followers(*nats_, registry, "b", Follow::kViewed);
   const std::int64_t known_ns = Clock::boot_ns();
   ASSERT_TRUE(followers.want("demo"));
-  // It has no copy, so following it has failed; at the beginning that is not known.
+  // There is no copy, so following has failed. That is not known at first.
   ASSERT_TRUE(test::eventually([&] { return !followers.want("demo"); }));
   followers.set_elsewhere({}, {}, known_ns);
   EXPECT_FALSE(followers.want("demo")) << "it has ended, and begins again";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Kerf relies on in NATS. The same cases hold the real nats-server and the model of it that
-// tests/sim uses (nats_under_test.h).
+// The properties of NATS that Kerf relies on. The same cases test the real nats-server and its
+// model in tests/sim (nats_under_test.h).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,7 +44,7 @@ class NatsContract : public testing::Test {
                                     std::uint64_t after) {
     return nats_->publish(subject, bytes_of(text), "id " + std::to_string(++ids_), after);
   }
-  /// The number of a message that must be stored.
+  /// Publishes a message that must be stored. Returns its number.
   std::uint64_t stored(const std::string& subject, const std::string& text, std::uint64_t after) {
     const auto number = publish(subject, text, after);
     EXPECT_TRUE(number) << number.error().reason;

@@ -12,7 +12,7 @@
 
 namespace kerf::test {
 
-/// A real nats-server and a connection to it; its tests are skipped where there is none.
+/// A real nats-server and a connection to it. Tests are skipped if it is not installed.
 class NatsTest : public testing::Test {
  protected:
   void SetUp() override {

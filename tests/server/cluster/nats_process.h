@@ -27,7 +27,7 @@ inline int free_port() {
   return ntohs(address.sin_port);
 }
 
-/// A nats-server of Debian's package with a store of its own, started and killed.
+/// A nats-server of Debian's package with its own store, started and killed by tests.
 class NatsProcess {
  public:
   static constexpr const char* kProgram = "/usr/sbin/nats-server";
@@ -38,7 +38,7 @@ class NatsProcess {
 
   static bool is_installed() { return access(kProgram, X_OK) == 0; }
   std::string url() const { return "nats://127.0.0.1:" + port_; }
-  /// Whether it could be started.
+  /// Returns whether it could be started.
   bool start() {
     const std::string store = folder_.path();
     std::array<const char*, 9> words = {kProgram,    "-js", "-sd",         store.c_str(), "-a",
@@ -52,7 +52,7 @@ class NatsProcess {
     if (failed != 0) process_ = 0;
     return failed == 0;
   }
-  /// It answers nothing until resume().
+  /// Stops it from answering until resume().
   void suspend() const { kill(process_, SIGSTOP); }
   void resume() const { kill(process_, SIGCONT); }
   void stop() {

@@ -6,16 +6,16 @@
 
 namespace kerf::test {
 
-/// A NATS server for nats_contract_test.cpp: the real one (real_nats.cpp), or the model
-/// (tests/sim/nats/model_under_test.cpp), whichever is linked. Starts with no streams.
+/// The NATS server of nats_contract_test.cpp, whichever is linked: the real one (real_nats.cpp) or
+/// the model (tests/sim/nats/model_under_test.cpp). Starts with no streams.
 class NatsUnderTest {
  public:
   NatsUnderTest();
   ~NatsUnderTest();
-  /// False: it is not installed.
+  /// False if it is not installed.
   bool is_there() const;
   std::string url() const;
-  /// Ends it; its streams stay.
+  /// Stops it. Its streams remain.
   void stop();
   void start();
 

@@ -68,7 +68,7 @@ TEST_F(OwnLeasesTest, ALeaseOfANatsThatHasLostItsLastSecondsIsReadAndTaken) {
   const StreamMessage early = stored();
   for (int n = 0; n < 3; ++n) ASSERT_TRUE(a_->renew("s", {}));
   const std::uint64_t seen = stored().sequence;
-  // The store of an earlier moment.
+  // Restores the store of an earlier moment.
   ASSERT_TRUE(nats_->delete_stream(kClusterStream));
   ASSERT_TRUE(nats_->make_stream(kClusterStream, kClusterSubjects, 1, Keep::kLastOfSubject));
   const auto none = b_->take("s", lease("b", 2), seen);

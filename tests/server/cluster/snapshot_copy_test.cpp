@@ -37,7 +37,7 @@ class SnapshotCopyTest : public test::NatsTest {
     ASSERT_TRUE(writer_->append(
         0, DefineTool{1, make_tool(std::vector<ToolPiece>{BallPiece{2, 2}}).value()}));
   }
-  /// Cuts, and writes a snapshot as a session does; returns its last record.
+  /// Cuts, and writes a snapshot like a session. Returns its last record.
   std::uint64_t cut_and_write(int motions) {
     for (int n = 0; n < motions; ++n) {
       const double x = 0.01 * cut_++;
@@ -58,7 +58,7 @@ class SnapshotCopyTest : public test::NatsTest {
     return record;
   }
   SnapshotCopy owner(std::uint32_t epoch) { return {*nats_, {"demo", first_, epoch}, 1}; }
-  /// What another server makes of the journal and the snapshots, in epoch 9.
+  /// Restores journal and snapshots at another server, in epoch 9.
   std::expected<Replayed, JournalError> take_over() {
     remove_journal(second_);
     EXPECT_TRUE(copy_journal(first_, second_));
@@ -203,7 +203,7 @@ TEST_F(SnapshotCopyTest, ALargeOneIsSentInPartsAndWhatIsNewerHereStays) {
   EXPECT_EQ(read_snapshot_head(snapshot_file(first_))->sequence, newer);
 }
 
-/// The commands of kerf-server, with what they print.
+/// The commands of kerf-server and their output.
 TEST_F(SnapshotCopyTest, ACopyIsListedFetchedWithItsSnapshotAndForgottenWithIt) {
   const std::uint64_t record = cut_and_write(20);
   {

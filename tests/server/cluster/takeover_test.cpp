@@ -33,7 +33,7 @@ class TakeoverTest : public test::NatsTest {
     }
     ASSERT_TRUE(writer.flush());
   }
-  /// Copies what is new, as an owner of epoch 2 does after its message `after`.
+  /// Copies new rows like an owner of epoch 2, after its message `after`.
   NatsResult<std::uint64_t> copy(JournalChanges& changes, std::uint64_t after,
                                  bool is_whole = true) {
     const auto change = changes.next();
@@ -96,7 +96,7 @@ TEST_F(TakeoverTest, AJournalOfAnEarlierEpochLacksWhatIsNoRecord) {
     ASSERT_TRUE(copy_journal(first_, third_));
     JournalChanges changes(first_);
     last = *copy(changes, 0);
-    // A later owner, of epoch 2, who adds no record.
+    // A later owner, of epoch 2, which adds no record.
     JournalWriter later = *JournalWriter::open(second_, 5);
     later.append(AttachmentChange{"grant", "g", std::vector<std::byte>(3)});
     ASSERT_TRUE(later.flush());

@@ -20,7 +20,7 @@ SolidSnapshot start_of(const SculptureSettings& settings) {
   return Sculpture::create(settings).value().solid();
 }
 
-/// The hash of a block of which all tiles are as the history says.
+/// Returns the hash of a block whose tiles all come from the history.
 std::uint64_t hash_of(const RecordedJob& job, BlockHistory& history, const MotionSet& set,
                       Workers& workers) {
   const auto tiles = history.carve(history.tiles(), set, workers);
@@ -61,7 +61,7 @@ TEST(BlockHistory, ChangesABlockIntoThatOfAnySetOfStrokesToTheBit) {
     MotionSet set{.last = history.last()};
     Sculpture block = job.block(set);
     for (int question = 0; question < 12; ++question) {
-      // Some of the strokes that are named stay as they are: the block may hold any of these.
+      // Some of the named strokes do not change: the block may be in either state.
       StrokeSet changed = job.some().without;
       for (const StrokeId id : changed) {
         if (job.random()() % 4 == 0) continue;

@@ -33,7 +33,7 @@ TEST(MotionSpans, EveryMotionLiesInOneSpanOfItsStroke) {
   std::vector<Hand> hands(90);  // more than have open spans
   std::uint64_t record = 0;
   for (int n = 0; n < 20'000; ++n) {
-    // At first a few hands, then many; each begins a stroke now and then.
+    // At first few hands, then many. Each one begins a stroke occasionally.
     Hand& hand = hands[random() % (n < 10'000 ? 5 : hands.size())];
     record += random() % 40 == 0 ? 1 + random() % 500 : 1;
     if (random() % 50 == 0 || hand.stroke == 0) {
@@ -77,7 +77,7 @@ TEST(MotionSpans, AHandThatPausesBeginsANewSpan) {
   spans.add(1, 1, box_at({}, 1));
   spans.add(1 + MotionSpans::kGap, 1, box_at({}, 1));
   spans.add(2 + 2 * MotionSpans::kGap, 1, box_at({}, 1));
-  EXPECT_EQ(spans.all().size(), 2U);  // of the records in between none need be read
+  EXPECT_EQ(spans.all().size(), 2U);  // no records in between need to be read
 }
 
 }  // namespace

@@ -16,8 +16,8 @@
 
 namespace kerf::test {
 
-/// Several hands that carve a block at the same time, in strokes, with four tools of which one is
-/// redefined in between; recorded in a journal on the disk.
+/// Several hands that carve a block at the same time, in strokes and with four tools, of which one
+/// is redefined in between. Recorded in a journal on disk.
 class RecordedJob {
  public:
   RecordedJob(const SculptureSettings& settings, unsigned seed)
@@ -40,18 +40,18 @@ class RecordedJob {
     return low + (high - low) * (static_cast<double>(random_()) / 4294967296.0);
   }
 
-  /// Adds so many motions of three hands, of `step_mm` each, and commits them.
+  /// Adds `motions` motions of three hands, of `step_mm` each, and commits them.
   void carve(int motions, double step_mm = 4) {
     for (int n = 0; n < motions; ++n) move(random_() % hands_.size(), step_mm);
     EXPECT_TRUE(writer_->flush());
   }
-  /// Undoes or redoes a stroke, which ends.
+  /// Undoes or redoes a stroke. A stroke in progress ends.
   void change(StrokeId stroke, bool undone) {
     append(0, StrokeChange{stroke, undone}, false);
     for (Hand& hand : hands_) hand.left = 0;
     EXPECT_TRUE(writer_->flush());
   }
-  /// A tool becomes another one.
+  /// Redefines a tool.
   void redefine() {
     define(4, BallShape{.diameter_mm = 3, .length_mm = 30});
     EXPECT_TRUE(writer_->flush());

@@ -26,7 +26,7 @@ bool holds(const SolidSnapshot& solid, const StockCell& cell) {
   });
 }
 
-/// The record after which a block that is carved motion by motion lacks each of the cells.
+/// Returns for each cell the record that removes it when a block is carved motion by motion.
 std::vector<std::optional<std::uint64_t>> removals(const RecordedJob& job, const MotionSet& set,
                                                    const std::vector<StockCell>& cells) {
   std::vector<std::optional<std::uint64_t>> found(cells.size());
@@ -114,7 +114,7 @@ TEST(SurfaceOwners, AreTheParticipantsWhoseMotionsWereTheFirst) {
     for (int question = 0; question < 3; ++question) {
       const MotionSet set = job.some();
       auto cells = some_cells(job, start, 150);
-      for (std::size_t n = 0; n < 150; n += 3) {  // of one column, of which some are asked twice
+      for (std::size_t n = 0; n < 150; n += 3) {  // in one column, some queried twice
         cells.push_back(cells[n]);
         const std::int32_t depth = std::max(cells[n].depth - static_cast<std::int32_t>(n % 4), 0);
         cells.push_back({cells[n].axis, cells[n].i, cells[n].j, depth});
@@ -151,7 +151,7 @@ TEST(ColumnEnd, IsTheNearestOfTheFaceThatIsMeant) {
   EXPECT_TRUE(top->is_top);
   EXPECT_EQ(top->at_mm, (Vec3{10.25, 10.25, 0}));
   EXPECT_EQ(top->normal, (Vec3{0, 0, 1}));
-  // At an edge the normal tells which face is meant.
+  // At an edge the normal selects the face.
   const auto side = nearest_end(solid, {0, 10.2, -0.1}, {-1, 0, 0}, 1);
   ASSERT_TRUE(side);
   EXPECT_EQ(side->axis, RayAxis::kX);

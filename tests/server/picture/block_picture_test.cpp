@@ -46,12 +46,13 @@ std::uint64_t hash_of(const Picture& picture) {
   return hash;
 }
 
-/// The pixel that shows a point, in pixels from the lower left.
+/// Returns the pixel that shows a point, in pixels from the lower left.
 std::pair<double, double> project(Vec3 at, const PictureCamera& camera, const Picture& picture) {
   const Vec3 back = normalized({-0.45, -1, 1.42});
   const Vec3 side = normalized(cross({0, 0, 1}, back)), up = cross(back, side);
   const Vec3 arm = at - camera.eye_mm();
-  const double focal = 0.5 * picture.height / std::tan(15 * M_PI / 180);  // 30 degrees upright
+  const double focal = 0.5 * picture.height / std::tan(15 * M_PI / 180);  // vertical field of view
+                                                                          // of 30 degrees
   const double depth = -dot(arm, back);
   return {0.5 * picture.width + focal * dot(arm, side) / depth,
           0.5 * picture.height + focal * dot(arm, up) / depth};
@@ -124,7 +125,7 @@ TEST(BlockPicture, EqualBlocksGiveEqualBytes) {
 }
 
 TEST(BlockPicture, ShowsTheSideThatIsAskedForInTheColorsThatArePainted) {
-  // Everything behind the middle is painted red: seen from the back it is in front, below.
+  // Paint everything behind the middle red: seen from the back it is in front, at the bottom.
   auto block = block_of({{0, 0, 0}, {16, 12, 6}});
   PictureStyle style{.width = 48, .height = 36};
   style.paint = [](Vec3 at) { return at.y > 6 ? std::optional(Vec3{1, 0, 0}) : std::nullopt; };

@@ -52,7 +52,7 @@ TEST(ColumnRay, MeetsTheGrooveOfABallOnItsCylinder) {
       ASSERT_TRUE(hit) << y;
       const Vec3 out = normalized({0, 10 - hit->point_mm.y, 11 - hit->point_mm.z});
       const double radius = std::hypot(10 - hit->point_mm.y, 11 - hit->point_mm.z);
-      // A column has the depth of its center: the surface is off by its slope times half a pitch.
+      // A column has the depth at its center: the surface is off by its slope times half a pitch.
       EXPECT_NEAR(radius, 4, 0.05 * std::abs(out.y) + 0.002) << y;
       EXPECT_GT(dot(hit->normal, out), std::cos(0.04)) << y;
       EXPECT_TRUE(hit->is_cut) << y;
@@ -157,7 +157,7 @@ TEST(ColumnRay, ABlockThatIsMissedIsNotMet) {
   EXPECT_TRUE(first_hit(field, {10, -5, 9}, {0, 1, 0}));
 }
 
-/// Asserts that a ray is free up to where it hits, and in the stock right behind. Returns the hit.
+/// Asserts that a ray is free up to its hit and inside the stock right behind. Returns the hit.
 std::optional<RayHit> compare_with_marching(const DexelSnapshot& field, Vec3 from, Vec3 towards) {
   constexpr double kStep = 0.01, kEnd = 60, kNear = 1e-6;
   const auto hit = first_hit(field, from, towards);

@@ -13,7 +13,7 @@
 namespace kerf {
 namespace {
 
-/// Signed distance-like value of a point: below 0 inside the rod.
+/// A signed value for a point, like a distance: negative inside the rod.
 double outside(const PictureRod& rod, Vec3 at) {
   const double height = length(rod.to_mm - rod.from_mm);
   const Vec3 axis = normalized(rod.to_mm - rod.from_mm), arm = at - rod.from_mm;

@@ -86,7 +86,7 @@ TEST_F(PictureCacheTest, RequestsShareThePictureThatIsBeingMade) {
   std::atomic<int> asked = 0, made = 0;
   std::atomic<bool> hold = true;
   const auto ask = [&] {
-    // Each request would find the block in another state.
+    // Each request would find a different state of the block.
     return PictureCache::Present{
         std::to_string(++asked),
         [&](const std::filesystem::path& path, const auto&, const auto&) -> MadeFile {
@@ -102,7 +102,7 @@ TEST_F(PictureCacheTest, RequestsShareThePictureThatIsBeingMade) {
     for (std::string& tag : tags) {
       threads.emplace_back([&] { tag = cache.get("block/64x48", ask)->tag; });
     }
-    // Time for those that would make one of their own.
+    // Gives further requests time to make a picture of their own, which they must not.
     for (int n = 0; n < 50 && asked < 8; ++n) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -224,7 +224,7 @@ TEST_F(PictureRoute, RejectsOtherSizes) {
   }
 }
 
-// Nobody makes the server draw a picture for each of many sizes.
+// Arbitrary sizes are rejected, so that nobody can make the server render many of them.
 TEST_F(PictureRoute, TheHeightFollowsTheWidth) {
   const ApiResponse response = ask("?width=240&height=100");
   EXPECT_EQ(response.status, 400U);

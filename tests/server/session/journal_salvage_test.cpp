@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is kept of damaged journals.
+// Salvage of damaged journals.
 #include "server/session/journal_salvage.h"
 
 #include <map>
@@ -15,7 +15,7 @@ namespace {
 class JournalSalvage : public DamageTest {
  protected:
   std::filesystem::path out() const { return folder / "salvaged.kerf"; }
-  /// Salvages the journal, and puts the new one in its place.
+  /// Salvages the journal and puts the new one in its place.
   SalvagedJournal replace() {
     auto salvaged = salvage_journal(journal(), out());
     EXPECT_TRUE(salvaged) << describe(salvaged.error());
@@ -63,7 +63,7 @@ TEST_F(JournalSalvage, KeepsTheBlockOfTheSnapshotAndAllThatCameAfterIt) {
   ASSERT_TRUE(list && !list->empty());
   EXPECT_EQ(list->back().stroke.id, strokes[3]);
   EXPECT_TRUE(list->back().is_undone);
-  // What is lost is said, and never carved from the stock.
+  // Lost records are reported, and never carved from the stock.
   const std::string session_path = "/v1/sessions/block";
   EXPECT_EQ(ask("GET", session_path + "/replay").status, 409U);
   EXPECT_EQ(ask("GET", session_path + "/probe?at_mm=0,-12,-2&normal=0,0,1&at=5").status, 404U);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Journals that are damaged where nobody reads them.
+// Journals damaged in parts that nobody reads.
 #include "server/session/journal_watch.h"
 
 #include "server/maintenance.h"
@@ -15,11 +15,11 @@ using Clock = std::chrono::steady_clock;
 
 class JournalWatchTest : public DamageTest {
  protected:
-  /// Verifies parts of a byte, each a row.
+  /// Verifies in parts of one byte, i.e. one row each.
   WatchOptions small_parts() {
     return {.part_bytes = 1, .again = std::chrono::hours(1), .now = [this] { return time; }};
   }
-  /// Lets a watch work for so many of its turns.
+  /// Runs a watch for `turns` turns.
   void run(int turns) {
     for (int n = 0; n < turns; ++n) watcher.run_delayed();
   }
@@ -188,7 +188,7 @@ TEST_F(JournalWatchTest, ABackupCopiesAJournalWithDamagedPages) {
   EXPECT_TRUE(scan_journal(to / "zebra.kerf"));
 }
 
-/// The bits of a file's mode that let others than its user in.
+/// Returns the permission bits of a file for everyone but its owner.
 std::filesystem::perms for_others(const std::filesystem::path& file) {
   using enum std::filesystem::perms;
   return std::filesystem::status(file).permissions() & (group_all | others_all);

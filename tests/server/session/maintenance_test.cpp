@@ -50,7 +50,7 @@ class Maintenance : public DamageTest {
   }
   std::filesystem::path snapshot() const { return snapshot_file(journal()); }
   std::filesystem::path previous() const { return previous_snapshot_file(journal()); }
-  /// The hash of the session on another folder.
+  /// Returns the hash of the session in another folder.
   static std::uint64_t hash_in(const std::filesystem::path& data, const std::string& closed = "") {
     test::ManualExecutor workers;
     SessionRegistry other(
@@ -106,7 +106,7 @@ TEST_F(Maintenance, ABackupOfARunningServerServesTheSameBlock) {
   const Outcome copied = back_up_to(folder.path(), to);
   EXPECT_EQ(copied.status, 0) << copied.said;
   EXPECT_EQ(copied.said, (to / "block.kerf").string() + "\n");
-  stroke(join(), 8);  // the server goes on
+  stroke(join(), 8);  // the server continues
   EXPECT_EQ(check(to).status, 0);
   EXPECT_EQ(hash_in(to), hash);
   for (const auto& file : {snapshot(), previous()}) {
@@ -157,7 +157,7 @@ TEST_F(Maintenance, FaultsAreNamedWithWhatToDo) {
       << loaded.said;
   EXPECT_EQ(registry->find("block")->solid().hash(), hash);
   restart();
-  // A wrong hash for the last record.
+  // Store a wrong hash for the last record.
   sql("INSERT OR REPLACE INTO state_hashes SELECT max(first+count)-1, 2989 FROM batches");
   const Outcome differs = replayed();
   EXPECT_EQ(differs.status, 1);

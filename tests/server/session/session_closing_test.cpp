@@ -36,7 +36,7 @@ TEST_F(SessionClosing, OnAFullDiskTheSessionStaysOpenAndLosesNothing) {
     sample.agent_sequence = ++samples;
     sample.time_us = 1000 * samples;
     sample.buttons = wire::kButtonCutting;
-    session->move(id, {&sample, 1});  // accepted, and not on the disk
+    session->move(id, {&sample, 1});  // accepted but not on the disk
     const std::uint64_t solid = session->solid().hash(), records = session->sequence();
     const auto refused = ask("DELETE", "/v1/sessions/block");
     EXPECT_EQ(refused.status, 507U) << refused.body;

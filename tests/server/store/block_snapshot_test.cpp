@@ -31,7 +31,7 @@ SculptureSettings settings_of(Rays rays, bool keep_normals) {
 
 Sculpture make(const SculptureSettings& settings) {
   Sculpture sculpture = Sculpture::create(settings).value();
-  // The second one leaves stock above it: columns of several elements.
+  // The second tool leaves stock above its cut: columns of several elements.
   EXPECT_TRUE(
       sculpture.apply(DefineTool{1, make_tool(std::vector<ToolPiece>{BallPiece{2, 2}}).value()}));
   EXPECT_TRUE(
@@ -39,7 +39,7 @@ Sculpture make(const SculptureSettings& settings) {
   return sculpture;
 }
 
-/// Motions of three users, two of them with the same tool; some begin where none has ended.
+/// Motions of three users, two of them with the same tool. Some begin where none has ended.
 class Random {
  public:
   explicit Random(unsigned seed) : random_(seed) {}
@@ -63,7 +63,7 @@ class Random {
   std::array<ToolPose, 3> at_ = {pose(), pose(), pose()};
 };
 
-/// Expects the same columns, the same normals at their ends, and the same state beside them.
+/// Expects the same columns, normals at their ends, and other state.
 void expect_equal(Sculpture& found, Sculpture& expected) {
   const SculptureState a = found.state(), b = expected.state();
   ASSERT_EQ(a.solid.fields.size(), b.solid.fields.size());
@@ -127,7 +127,7 @@ TEST_F(BlockSnapshots, ARestoredBlockGoesOnAsTheOneThatWasSaved) {
     expect_equal(restored, saved);
     for (int n = 0; n < 100; ++n) {
       MoveTool motion = random.motion();
-      motion.feel = false;  // the force that was pending is not saved
+      motion.feel = false;  // pending force is not saved
       const auto expected = saved.apply(motion), found = restored.apply(motion);
       ASSERT_TRUE(expected && found);
       EXPECT_EQ(found->removed_mm3, expected->removed_mm3);
@@ -205,7 +205,7 @@ TEST_F(BlockSnapshots, AHeadThatIsWrongBelowARightChecksumIsRejectedOrDoesNoHarm
       Sculpture restored = Sculpture::create(settings).value();
       ASSERT_TRUE(restored.restore(read->state));
       EXPECT_EQ(restored.state_hash(), sculpture.state_hash()) << at;
-      // A pose or a volume may be wrong; a motion is carved or rejected all the same.
+      // A pose or a volume may be wrong, but a motion must still be carved or rejected.
       (void)restored.apply(Random(4).motion());
     }
   }

@@ -25,7 +25,7 @@ struct State {
 };
 State state;
 
-/// What SQLite allocates for one open file: this, followed by the file of the real file system.
+/// SQLite's allocation for an open file: this, followed by the file of the real file system.
 struct File {
   sqlite3_file base;
   bool is_log;
@@ -100,7 +100,7 @@ int truncate_file(sqlite3_file* file, sqlite3_int64 size) {
   return real_of(file)->pMethods->xTruncate(real_of(file), size);
 }
 
-/// Passes a method of a file on to the real file system.
+/// Forwards a method of a file to the real file system.
 template <auto kMethod, typename... Args>
 auto pass(sqlite3_file* file, Args... args) {
   return (real_of(file)->pMethods->*kMethod)(real_of(file), args...);

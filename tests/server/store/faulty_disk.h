@@ -7,10 +7,10 @@
 
 namespace kerf::test {
 
-/// How a disk fails.
+/// The behavior of a failing disk.
 enum class DiskFault {
   kNone,
-  kNoSpace,     ///< a write stores what fits, then the disk is full
+  kNoSpace,     ///< a write stores as much as fits, then the disk is full
   kIoError,     ///< a write stores nothing and fails
   kShortWrite,  ///< a write stores half of its bytes and fails
   kSyncFails    ///< fsync fails
@@ -18,16 +18,16 @@ enum class DiskFault {
 /// The files that a fault affects.
 enum class FaultTarget { kAll, kLog, kDatabase };
 
-/// When and where a disk fails: after `after_bytes` further bytes have been written to the target.
+/// Makes the disk fail after `after_bytes` more bytes have been written to the target.
 struct FaultRule {
   DiskFault fault = DiskFault::kNone;
   FaultTarget target = FaultTarget::kAll;
   std::uint64_t after_bytes = 0;
 };
 
-/// The default file system of SQLite while it exists: passes all calls on to the former default and
-/// fails by rule. At most one may exist; every database must be closed before it is destroyed.
-/// Functions may be called from any thread.
+/// While it exists, the default file system of SQLite: forwards all calls to the former default and
+/// fails by rule. At most one may exist. Close every database before destroying it. Functions may
+/// be called from any thread.
 class FaultyDisk {
  public:
   FaultyDisk();
@@ -38,11 +38,12 @@ class FaultyDisk {
   /// Replaces the rule and counts bytes from zero.
   void fail(const FaultRule& rule);
   void heal() { fail({}); }
-  /// Every fsync takes this long.
+  /// Makes every fsync take this long.
   void set_sync_time(std::chrono::microseconds time);
   /// While set, an fsync does not return.
   void block_syncs(bool block);
-  /// Runs `work` while no write is in progress: the files are as a crash would leave them.
+  /// Runs `work` while no write is in progress: the files are in the state that a crash would
+  /// leave.
   void hold(const std::function<void()>& work);
 
   /// Bytes written to databases and their logs.

@@ -34,7 +34,7 @@ TEST(FolderLock, OfAMissingFolderIsAnError) {
   EXPECT_NE(lock.error().find("No such file"), std::string::npos) << lock.error();
 }
 
-/// A user to whom permissions apply, as they do not to root.
+/// Switches to an ordinary user, to whom permissions apply, unlike root.
 class OrdinaryUser {
  public:
   static constexpr uid_t kNobody = 65534;
@@ -54,7 +54,7 @@ TEST(FolderLock, OfAFolderThatCannotBeWrittenToNamesItsOwner) {
   std::filesystem::permissions(folder.path(), std::filesystem::perms(0777));
   {
     ASSERT_TRUE(FolderLock::take(folder.path()));
-  }  // the lock file is there, and may be opened
+  }  // the lock file exists and may be opened
   std::filesystem::permissions(folder / FolderLock::kFileName, std::filesystem::perms(0666));
   std::filesystem::permissions(folder.path(), std::filesystem::perms(0555));
   const std::string owner = "belongs to uid " + std::to_string(geteuid());

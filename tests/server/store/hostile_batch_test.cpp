@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Batches that no writer stores: their checksums are right, their contents are not.
+// Batches that no writer stores: their checksums are right but their contents are not.
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
@@ -73,8 +73,8 @@ TEST(HostileBatch, MoreParticipantsThanTheEncoderKeepsAreRejected) {
   EXPECT_FALSE(decode(true, 1, MotionStates::kMax + 1));
 }
 
-/// Encodes batches of so many records, each of another participant. Returns of each whether it can
-/// be decoded without those before.
+/// Encodes batches of the given sizes, each record by another participant. Returns for each batch
+/// whether it can be decoded without its predecessors.
 std::vector<bool> restarts_of(const std::vector<std::size_t>& batches) {
   BatchEncoder encoder;
   BatchDecoder decoder;
@@ -105,7 +105,7 @@ TEST(HostileBatch, TheEncoderRestartsAfterABoundedNumberOfRecords) {
   for (std::size_t n = 0; n < restarts.size(); ++n) EXPECT_EQ(restarts[n], n % 21 == 0) << n;
 }
 
-/// Returns whether a journal with this batch can be read; its checksum is right.
+/// Returns whether a journal with this batch, with a valid checksum, can be read.
 bool can_read(const BatchHead& head, const std::vector<std::byte>& bytes) {
   test::TemporaryFolder folder;
   const auto file = folder / "demo.kerf";

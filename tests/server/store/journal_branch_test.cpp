@@ -11,8 +11,8 @@
 namespace kerf {
 namespace {
 
-/// Writes a journal of ten motions as a server wrote it that did not state its kernel, carved again
-/// by this one after the tenth.
+/// Writes a journal of ten motions like an old server that did not store its kernel version; this
+/// kernel carved it again after the tenth.
 void write_carved_again(const std::filesystem::path& file) {
   {
     auto writer = JournalWriter::create(file, {"demo", "{}", "", 1});

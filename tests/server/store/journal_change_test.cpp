@@ -51,7 +51,7 @@ class JournalChangeTest : public testing::Test {
     ASSERT_TRUE(writer.flush());
   }
 
-  /// All rows of all tables, as text.
+  /// Returns all rows of all tables as text.
   static std::multiset<std::string> dump(const std::filesystem::path& file) {
     std::multiset<std::string> rows;
     auto database = open_journal(file, SqlMode::kRead);
@@ -72,7 +72,7 @@ class JournalChangeTest : public testing::Test {
     return rows;
   }
 
-  /// Applies everything that there is now.
+  /// Applies all current changes.
   static void pass_on(JournalChanges& changes, JournalCopy& copy) {
     for (;;) {
       const auto change = changes.next();
@@ -163,7 +163,7 @@ TEST_F(JournalChangeTest, AttachmentsComeToTheCopyAreReplacedThereAndGo) {
   auto copy = JournalCopy::resume(copied_, *end);
   ASSERT_TRUE(copy);
   EXPECT_FALSE(copy->take_changed_attachments());
-  // The last one of all goes and another one comes: as many as before.
+  // The newest row is removed and another one is added: the number of rows stays the same.
   writer.append(AttachmentChange{"grant", "b"});
   writer.append(attached("c", 5));
   ASSERT_TRUE(writer.flush());
@@ -391,7 +391,7 @@ TEST_F(JournalChangeTest, ACopyWithADamagedRecordIsNotFinished) {
   JournalChanges changes(file_);
   auto change = changes.next();
   ASSERT_TRUE(*change);
-  // The batch comes first after the origin; its bytes are the longest run of the rows.
+  // The batch follows the origin. Its bytes are the longest run of the rows.
   auto& rows = (*change)->rows;
   rows[rows.size() / 2] ^= std::byte{1};
   auto copy = JournalCopy::create(copied_);

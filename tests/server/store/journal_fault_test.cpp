@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The journal on a disk that is full, fails to write, writes in part or fails to sync.
+// The journal on a disk that is full, fails to write, writes partially or fails to sync.
 #include <gtest/gtest.h>
 
 #include <condition_variable>
@@ -27,7 +27,7 @@ MoveTool move_to(double x_mm) {
   return move;
 }
 
-/// A motion that a batch stores whole, because it does not begin on the grid of poses.
+/// A motion that a batch stores as a whole command, because it begins off the pose grid.
 MoveTool large_move_to(double x_mm) {
   MoveTool move = move_to(x_mm);
   move.from.tip_mm.y = 1e-10;
@@ -42,7 +42,7 @@ std::string name_of(const FaultRule& rule) {
 
 class JournalFaults : public testing::Test {
  protected:
-  /// The end points of all motions of a journal; an unreadable one fails the test.
+  /// Returns the end points of all motions of a journal. An unreadable one fails the test.
   static std::vector<double> motions_of(const std::filesystem::path& path) {
     std::vector<double> found;
     auto reader = JournalReader::open(path);
@@ -57,7 +57,7 @@ class JournalFaults : public testing::Test {
     EXPECT_EQ(reader->dropped_hashes(), 0U) << "a hash was stored without its records";
     return found;
   }
-  /// Appends the next motion; false if the journal does not accept it.
+  /// Appends the next motion. Returns false if the journal does not accept it.
   bool append(JournalWriter& writer) {
     const auto sequence = writer.append(1, move_to(static_cast<double>(accepted)));
     if (!sequence) return false;
@@ -73,7 +73,7 @@ class JournalFaults : public testing::Test {
     }
     ASSERT_TRUE(writer.pause());
   }
-  /// Copies the files as a killed process leaves them and reads the copy.
+  /// Copies the files as a killed process would leave them, and reads the copy.
   std::vector<double> motions_after_a_crash() {
     const auto copy = folder / "crashed.kerf";
     remove_journal(copy);
@@ -111,7 +111,7 @@ TEST_F(JournalFaults, NothingIsWrittenAfterAFailedGroupUntilThatGroupIs) {
     append_until_paused(*writer);
     EXPECT_FALSE(append(*writer));
     EXPECT_EQ(writer->append(1, move_to(0)).error().code, JournalErrorCode::kIo);
-    // These are kept in memory too: a hash must not be stored before its record.
+    // These rows also stay in memory: a hash must not be stored before its record.
     writer->append(StateHash{accepted, 7});
     writer->append(JournalParticipant{2, "Ada", "#112233", "agent"});
     EXPECT_FALSE(writer->flush());
@@ -159,7 +159,7 @@ TEST_F(JournalFaults, ContinuesByItselfAndReportsEachPauseOnce) {
 TEST_F(JournalFaults, AFullDiskUnderTheDatabaseOnlyDelaysTheCheckpoint) {
   auto writer = JournalWriter::create(file, header);
   disk.fail({DiskFault::kNoSpace, FaultTarget::kDatabase, 0});
-  // More than SQLite keeps in its log before it copies to the database.
+  // More than SQLite collects in its log before it copies it to the database.
   for (; accepted < 60'000; ++accepted) {
     ASSERT_TRUE(writer->append(1, large_move_to(static_cast<double>(accepted))));
   }
@@ -235,7 +235,8 @@ TEST_F(JournalFaults, HashesBeyondTheLastRecordAreDroppedAndNotTakenForLaterReco
     auto writer = JournalWriter::create(file, header);
     for (int i = 0; i < 10; ++i) ASSERT_TRUE(append(*writer));
     writer->append(StateHash{8, 88});
-    writer->append(StateHash{12, 99});  // as written by a server that went on after a failed group
+    writer->append(StateHash{12, 99});  // as written by a server that continued after a failed
+                                        // group
   }
   {
     const auto reader = JournalReader::open(file);
@@ -251,8 +252,8 @@ TEST_F(JournalFaults, HashesBeyondTheLastRecordAreDroppedAndNotTakenForLaterReco
   EXPECT_EQ(reader->dropped_hashes(), 0U);
 }
 
-/// One life of a journal under random faults: it is read after a crash at a random moment, and
-/// after the disk has recovered.
+/// A journal under random faults, read after a crash at a random moment and after the disk has
+/// recovered.
 TEST_F(JournalFaults, AfterRandomFaultsTheJournalIsAPrefixWithEverythingDurable) {
   std::mt19937 random(20261122);
   const auto below = [&](std::uint64_t end) { return random() % end; };

@@ -25,7 +25,7 @@ TEST_F(JournalTogether, CommandsThatStandTogetherAreCommittedTogether) {
   auto writer = JournalWriter::create(file_, kHeader);
   ASSERT_TRUE(writer) << describe(writer.error());
   {
-    // Commits whatever is in the buffer, as often as it can.
+    // Commits the buffer as often as possible.
     const std::jthread committer([&](const std::stop_token& stop) {
       while (!stop.stop_requested()) ASSERT_TRUE(writer->flush());
     });
@@ -34,7 +34,7 @@ TEST_F(JournalTogether, CommandsThatStandTogetherAreCommittedTogether) {
       const auto last = writer->append_together(1, changes);
       ASSERT_TRUE(last) << describe(last.error());
       EXPECT_EQ(*last, static_cast<std::uint64_t>(kTogether * n));
-      // However fast this loop is, some of the changes come after others are committed.
+      // However fast this loop is, some changes are appended after others have been committed.
       if (n % kFlushed == 0) {
         ASSERT_TRUE(writer->flush());
       }

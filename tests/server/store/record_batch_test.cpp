@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Batches of records, and journals of the version before them.
+// Batches of records, and journals of version 1.
 #include "server/store/record_batch.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ ToolPose pose_of(double x_mm, double y_mm, double z_mm, Vec3 axis = {0, 0, 1}) {
   return admit_pose({{x_mm, y_mm, z_mm}, axis});
 }
 
-/// Records as a session makes them: several hands, programs, tools, and numbers at random.
+/// Records as in a session: several hands, programs, tools and random numbers.
 std::vector<BatchRecord> random_records(std::mt19937_64& random, std::size_t count) {
   std::map<ParticipantId, ToolPose> at;
   std::vector<BatchRecord> records;
@@ -93,7 +93,7 @@ TEST(RecordBatch, ExtremeNumbersAreKept) {
   }
 }
 
-/// A path of segments as programs have them: each as long as its travel at the feed takes.
+/// A path of segments as in a program: the duration of each is its travel at the feed rate.
 std::vector<BatchRecord> program_records(int count) {
   std::vector<BatchRecord> records;
   ToolPose last = pose_of(20, 0, -1);
@@ -148,7 +148,7 @@ TEST(RecordBatch, DamageNeverCrashesAndABatchNeedsThoseBefore) {
   }
 }
 
-// The tables of an empty journal are a page each, however many motions follow.
+// The tables of an empty journal take one page each, however many motions follow.
 TEST(RecordBatch, AHandAtOneKilohertzAddsTenBytesAMotion) {
   test::TemporaryFolder folder;
   const auto file = folder / "hand.kerf";

@@ -102,7 +102,7 @@ TEST_F(Carving, AnAgentIsAnsweredWhileAMotionOfAnotherSweepsTheWholeBlock) {
   ball.move({{0, 0, 5}}, {.tool = 2});
   ball.result();
   while (mill.receive("participants").at("participants").size() < 2) continue;
-  // The mill receives only its result after this.
+  // The mill receives only its result after that.
   mill.move({{100, 100, 1}, {100, 100, -3}}, {.step_us = 100'000});
   int answered = 0;
   while (!mill.peer().has_input()) {
@@ -147,7 +147,7 @@ TEST_F(Carving, IsCountedByTheMetrics) {
   Hand ada(port);
   ada.carve(20);
   Answer metrics;
-  // An answer is counted when it has been sent.
+  // An answer is counted once it has been sent.
   EXPECT_TRUE(eventually([&] {
     metrics = ask("GET", "/metrics");
     return metrics.body.contains("\nkerf_turnaround_seconds_count 20\n");

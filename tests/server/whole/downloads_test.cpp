@@ -33,7 +33,7 @@ class Downloads : public WholeServer {
     return ask("GET", "/v1/sessions/block/" + name, "", headers);
   }
   std::string fault(const std::string& name) { return error("GET", "/v1/sessions/block/" + name); }
-  /// The hash of the block that a program of another session carves.
+  /// Returns the hash of the block that a program carves in a new session.
   std::string carved(const std::string& session, const std::string& text, const std::string& name) {
     create(session);
     wait_for(upload(text, "pace=fast&name=" + name, session), "finished");
@@ -44,7 +44,7 @@ class Downloads : public WholeServer {
     for (auto at = text.find(word); at != text.npos; at = text.find(word, at + 1)) ++found;
     return found;
   }
-  /// The numbers of a line of CSV.
+  /// Parses the numbers of a CSV line.
   static std::vector<double> numbers(const std::string& line) {
     std::vector<double> values;
     std::istringstream fields(line);

@@ -22,7 +22,7 @@ class DataFolder : public WholeServer {
   void carve(int steps, const std::string& session = "block") const {
     Hand(port, session).carve(steps);
   }
-  /// Restarts the server; returns the log of the start.
+  /// Restarts the server. Returns the log of the start.
   std::string log_of_a_restart() {
     server.reset();
     testing::internal::CaptureStderr();

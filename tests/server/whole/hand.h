@@ -14,7 +14,7 @@
 
 namespace kerf::test {
 
-/// The bytes of a frame, as a message of a WebSocket.
+/// Encodes a frame as a WebSocket message.
 template <typename Body>
 std::string frame_of(const Body& body, std::uint32_t epoch, std::uint64_t sequence = 1) {
   std::vector<std::byte> bytes;
@@ -68,7 +68,7 @@ class Hand : public WebPeer {
     }
     throw std::runtime_error("closed before the result");
   }
-  /// Cuts along a spiral. Returns the volume that the results stated.
+  /// Cuts along a spiral. Returns the volume that the results state.
   double carve(int steps, double phase = 0) {
     double removed = 0;
     for (int n = 0; n < steps; ++n) {
@@ -78,7 +78,7 @@ class Hand : public WebPeer {
     }
     return removed;
   }
-  /// Cuts along x; the tool is lifted afterwards.
+  /// Cuts along x, then lifts the tool.
   void stroke(double y_mm, int count = 40) {
     for (const double z : {1.0, 0.5}) move({{-15, y_mm, z}}, {.cuts = false});
     for (int first = 0; first < count; first += 8) {

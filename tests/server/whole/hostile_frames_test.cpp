@@ -15,7 +15,7 @@ using namespace std::string_literals;
 
 struct Row {
   std::string name, bytes;
-  std::vector<unsigned> codes;  ///< with which the server may close; empty: any
+  std::vector<unsigned> codes;  ///< close codes that the server may send; empty for any
 };
 
 Row row(std::string name, const Frame& frame, std::vector<unsigned> codes = {1002}) {

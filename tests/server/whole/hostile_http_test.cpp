@@ -188,7 +188,7 @@ const std::vector<Row> kUpgrades = {
 
 class HostileHttp : public WholeServer {
  protected:
-  /// All answers to `bytes`, after which the peer ends its stream.
+  /// Returns all answers to `bytes`, after which the peer ends its stream.
   std::string answers(const std::string& bytes) const {
     const Peer peer(port);
     peer.send(bytes);

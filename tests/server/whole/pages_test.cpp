@@ -128,7 +128,7 @@ TEST_F(Drain, AnAdministratorDrainsByARequest) {
   EXPECT_EQ(answer.status, 202U);
   EXPECT_EQ(answer.json(), Json({{"to", "http://127.0.0.1:9"}}));
   EXPECT_TRUE(eventually([&] { return asked_ == 1; }));
-  server.reset();  // as the process does that is asked to stop
+  server.reset();  // like the process when it is asked to stop
   EXPECT_EQ(ada.receive("bye").at("redirect"), "http://127.0.0.1:9");
 }
 
@@ -139,7 +139,7 @@ class ListedMetrics : public WholeServer {
     std::ifstream in(KERF_SOURCE_DIR "/" + file);
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   }
-  /// All matches of the first group of an expression.
+  /// Returns all matches of an expression's first group.
   static std::set<std::string> names(const std::string& text, const char* expression) {
     const std::regex pattern(expression, std::regex::multiline);
     std::set<std::string> found;
@@ -161,7 +161,7 @@ TEST_F(ListedMetrics, AreThoseOfTheReadme) {
     listed.merge(names(cell, "\\b(kerf_[a-z_]+)"));
   }
   std::set<std::string> expected = served();
-  // Absent here: a counter by label without counts, and the metrics of --nats and TLS.
+  // Absent here: a counter whose labels have no counts, and the metrics of --nats and TLS.
   expected.insert({"kerf_refused_total", "kerf_copied_record", "kerf_copy_lag_records",
                    "kerf_copied_snapshot_record", "kerf_certificate_days_left"});
   EXPECT_EQ(listed, expected);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The past of a session: undo, points in time, versions and branches, and viewers that look there.
+// The past of a session: undo, points in time, versions, branches, and viewers that look back.
 #include <algorithm>
 #include <chrono>
 #include <map>
@@ -19,7 +19,7 @@ namespace {
 
 using WallClock = std::chrono::system_clock;
 
-/// A time in RFC 3339 format.
+/// Formats a time as in RFC 3339.
 std::string utc(WallClock::time_point time) {
   const auto us = std::chrono::floor<std::chrono::microseconds>(time.time_since_epoch()).count();
   const std::time_t seconds = us / 1'000'000;
@@ -45,7 +45,7 @@ class PointsInTime : public WholeServer {
     message.update(fields);
     viewer.send(message);
   }
-  /// Waits until a viewer has all tiles of a record; returns its state hash.
+  /// Waits until a viewer has all tiles of a record. Returns its state hash.
   static std::string reached(Watcher& viewer, std::uint64_t record, double rate = 0) {
     for (;;) {
       const Json state = viewer.settled();
@@ -102,7 +102,8 @@ TEST_F(PointsInTime, HaveTheirBlockAndForces) {
   const auto start = WallClock::now();
   Hand ada(port);
   ada.stroke(0);
-  const auto between = WallClock::now() + std::chrono::milliseconds(50);  // records have some 10 ms
+  const auto between = WallClock::now() + std::chrono::milliseconds(50);  // record times are
+                                                                          // accurate to about 10 ms
   const std::string then = get("model.stl").body;
   while (WallClock::now() <= between + std::chrono::milliseconds(50)) get("strokes");
   ada.stroke(8);
@@ -154,7 +155,7 @@ TEST_F(PointsInTime, OneViewerLooksAtThemWhileOthersCarveAndWatch) {
   }
   EXPECT_EQ(past.welcomes, 2);
   EXPECT_EQ(past.tiles.size(), 9U);
-  // It plays to the end, while Ada carves on and the other viewer sees the present.
+  // It plays to the end while Ada continues to carve and the other viewer sees the present.
   ada.stroke(4);
   const std::string now = hash();
   const std::uint64_t end = info().at("state_sequence");

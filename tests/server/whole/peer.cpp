@@ -17,7 +17,7 @@
 namespace kerf::test {
 namespace {
 
-/// Only ends a test that fails.
+/// Only a failed test reaches this limit.
 constexpr timeval kLimit{.tv_sec = 30 * kPatience, .tv_usec = 0};
 
 sockaddr_in address_of(const std::string& text, std::uint16_t port) {

@@ -14,43 +14,43 @@ namespace kerf::test {
 using Json = nlohmann::json;
 using Headers = std::vector<std::pair<std::string, std::string>>;
 
-/// A TCP connection that waits, and sends whatever a test wants to send.
+/// A blocking TCP connection that sends arbitrary bytes.
 class Peer {
  public:
-  /// `from` is its own address: another one is another client.
+  /// `from`: its own address. Another address is another client.
   explicit Peer(std::uint16_t port, const std::string& from = "127.0.0.1");
   ~Peer();
   Peer(Peer&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
   Peer& operator=(Peer&&) = delete;
 
-  /// False if the server has closed the connection.
+  /// Returns false if the server has closed the connection.
   bool send(std::string_view bytes) const;
   void end_sending() const;
-  /// Appends what comes next; false at the end of the connection.
+  /// Appends the next bytes. Returns false at the end of the connection.
   bool receive(std::string& bytes) const;
-  /// All that comes until the end of the connection.
+  /// Reads up to the end of the connection.
   std::string rest() const;
-  /// Whether something has come, or the end.
+  /// Whether there is input, or the end of the stream.
   bool has_input() const;
-  /// Ends the connection without an end of the stream.
+  /// Resets the connection without ending the stream.
   void reset();
 
  private:
   int socket_;
 };
 
-/// A response of HTTP.
+/// An HTTP response.
 struct Answer {
   unsigned status = 0;
   std::string head, body;
-  /// Of a header; empty: it has none.
+  /// The value of a header; empty if it is missing.
   std::string header(std::string_view name) const;
   Json json() const { return Json::parse(body); }
-  /// Of an error.
+  /// The code of an error.
   std::string code() const { return json().at("error").at("code"); }
 };
 
-/// Reads the bytes of one response, head and body.
+/// Parses one response, head and body.
 Answer read_answer(const std::string& bytes);
 /// Sends one request and waits for the response. `headers` may hold another Host.
 Answer ask(std::uint16_t port, const std::string& method, const std::string& target,
@@ -61,18 +61,18 @@ struct Frame {
   unsigned char first = 0x81;  ///< final text
   std::string payload = {};
   bool is_masked = true;
-  std::optional<std::string> length = {};  ///< bytes in the place of the length field
+  std::optional<std::string> length = {};  ///< replacement for the length field
 };
-/// The bytes of a WebSocket frame. Its mask is zero, which leaves the payload as it is.
+/// Encodes a WebSocket frame. Its mask is zero, so the payload is readable.
 std::string bytes_of(const Frame& frame);
 
-/// A WebSocket that a server may also decline.
+/// A WebSocket client that also accepts a declined upgrade.
 class WebPeer {
  public:
   WebPeer(std::uint16_t port, const std::string& target, const std::string& protocol,
           const Headers& headers = {});
 
-  /// Of the upgrade; with a status other than 101 there is no WebSocket.
+  /// The response to the upgrade. There is a WebSocket only if its status is 101.
   const Answer& upgrade() const { return upgrade_; }
   Peer& peer() { return peer_; }
   void send(const Json& message) { send_text(message.dump()); }
@@ -84,13 +84,13 @@ class WebPeer {
     bool is_text = false;
     std::string bytes;
   };
-  /// The next message; nullopt: the server has closed the connection.
+  /// The next message; nullopt once the server has closed the connection.
   std::optional<Message> receive();
-  /// The next message of a type. Throws if the server closes before.
+  /// The next message of a type. Throws if the server closes the connection first.
   Json receive(const std::string& type);
-  /// Reads to the end. Returns the code of the server's close; 0: it has closed without one.
+  /// Reads to the end. Returns the server's close code, 0 if it closed without one.
   unsigned closed();
-  std::size_t text_bytes() const { return text_bytes_; }  ///< that have come
+  std::size_t text_bytes() const { return text_bytes_; }  ///< received so far
 
  private:
   bool has(std::size_t count);

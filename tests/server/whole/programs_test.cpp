@@ -13,7 +13,7 @@
 namespace kerf::test {
 namespace {
 
-/// A program with one cutting block a line.
+/// A program with one cutting block per line.
 std::string spiral(int blocks) {
   std::string text = "G21 G90 G17 G94\nT2 M6\nG0 X0 Y0 Z5\nG1 Z-2 F3000\n";
   for (int n = 0; n < blocks; ++n) {
@@ -28,7 +28,7 @@ std::string spiral(int blocks) {
 
 class Programs : public WholeServer {
  protected:
-  /// Changes a program; returns its status.
+  /// Changes a program. Returns its status.
   Json change(const Json& program, const std::string& query) {
     return made("PATCH", program.at("url").get<std::string>() + "?" + query);
   }
@@ -57,7 +57,7 @@ TEST_F(Programs, ThatArePausedSteppedAndResumedCutTheSame) {
     line = next;
   }
   const Json before = status(program);
-  // Another program, which is not paused, begins and ends meanwhile.
+  // Another, unpaused program begins and ends in the meantime.
   run(text, "pace=fast", "meanwhile");
   EXPECT_EQ(status(program), before);
   EXPECT_NEAR(before.at("elapsed_s").get<double>() + before.at("remaining_s").get<double>(),
@@ -165,7 +165,7 @@ TEST_F(Programs, WhoseTextIsWrongNameLineAndWord) {
   EXPECT_TRUE(bad.json().at("error").at("reason").get<std::string>().contains("G987"));
   EXPECT_EQ(error("POST", programs + "?name=x.doc", "G0"), "400 bad_program");
   EXPECT_EQ(info().at("motions"), 0);
-  // It is read in the dialect that is named.
+  // The program is read in the named dialect.
   const std::string jump = "G21 G90 T1 M6\nIF [1 EQ 1] GOTO 10\nN10 G1 X1 F100\nM30\n";
   const Answer linuxcnc = ask("POST", programs + "?name=jump.nc&dialect=linuxcnc", jump);
   EXPECT_EQ(linuxcnc.json().at("error").at("line"), 2);
@@ -200,7 +200,7 @@ TEST_F(Programs, OrdersThatMakeNoSenseAreRejected) {
 }
 
 TEST_F(Programs, WithoutAnEndLetAPinBeSetAtOnce) {
-  // Each takes seconds of CPU time until its limit of lines.
+  // Each takes seconds of CPU time to reach the limit of lines.
   const std::string text = "O1\nT1 M6\n#1=0\nWHILE[1EQ1]DO1\n#1=#1+1\nEND1\nM30\n";
   std::vector<Peer> peers;
   for (int n = 0; n < 6; ++n) {

@@ -40,7 +40,7 @@ class Invitations : public WholeServer {
         .upgrade()
         .status;
   }
-  /// The answer to a request with other headers than the administrator's.
+  /// Sends a request with other headers than the administrator's.
   Answer ask_with(const std::string& method, const std::string& target,
                   const Headers& headers) const {
     return test::ask(port, method, target, "", headers);
@@ -59,7 +59,7 @@ TEST_F(Invitations, WithoutATokenThereIsNothingButThePage) {
   EXPECT_EQ(upgrade("view"), 401U);
 }
 
-// The client announces 60 MB and sends none; the server answers without waiting.
+// The client announces 60 MB and sends nothing. The server answers without waiting.
 TEST_F(Invitations, TheBodyOfAStrangerIsNotRead) {
   const Answer answer = ask_with("POST", "/v1/files", {{"Content-Length", "62914560"}});
   EXPECT_EQ(answer.status, 401U);
@@ -104,7 +104,7 @@ TEST_F(Invitations, AnOwnerMutesAndRemoves) {
 
 TEST_F(Invitations, ThatAreRevokedOrExpireEndConnections) {
   const Json invitation = invite("watcher");
-  // Long enough to join with it.
+  // Valid for long enough to join with it.
   const std::string one = invitation.at("token"), brief = token("watcher&hours=0.0009");
   Watcher first(port, Json::object(), "block", bearer(one)),
       second(port, Json::object(), "block", bearer(brief));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes, ids and resources that are wrong, over HTTP.
+// Invalid scenes, ids and resources over HTTP.
 #include <string>
 
 #include "tests/server/whole/whole_server.h"

@@ -24,7 +24,7 @@ class Together : public WholeServer {
       for (const Json& pin : list) sent.push_back(pin.at("text"));
     } while (sent != texts);
   }
-  /// Waits for a list of so many cameras.
+  /// Waits for a list of `count` cameras.
   static Json cameras(Watcher& viewer, std::size_t count) {
     Json sent = viewer.receive("cameras").at("cameras");
     while (sent.size() != count) sent = viewer.receive("cameras").at("cameras");

@@ -75,9 +75,9 @@ TEST_F(Models, ThatAreNoneAreNamed) {
   EXPECT_EQ(unknown.json().at("error").at("path"), "stock.file");
 }
 
-constexpr std::size_t kBytes = 60'000;  ///< of an upload
+constexpr std::size_t kBytes = 60'000;  ///< size of an upload
 
-/// A server with memory for four uploads of which one client has two.
+/// A server with memory for four uploads, two of them by one client.
 class UploadMemory : public WholeServer {
  protected:
   void SetUp() override {
@@ -91,7 +91,7 @@ class UploadMemory : public WholeServer {
               std::to_string(kBytes) + "\r\n\r\n" + std::string(1000, ' '));
     return peer;
   }
-  /// Waits until `count` uploads are rejected; returns one answer.
+  /// Waits until `count` uploads are rejected. Returns one answer.
   static Answer rejected(const std::vector<Peer>& peers, std::size_t count) {
     const auto answered = [&] {
       return static_cast<std::size_t>(
@@ -128,7 +128,7 @@ TEST_F(UploadMemory, OfOneClientDoesNotKeepOthersOut) {
   std::vector<Peer> peers;
   for (int n = 0; n < 10; ++n) peers.push_back(begin("127.0.0.2"));
   EXPECT_TRUE(rejected(peers, 8).body.contains("one client"));
-  expect_taken();  // of another
+  expect_taken();  // file of another client
 }
 
 /// Memory of this process in MB: now, and the peak since the last reset.
@@ -140,7 +140,7 @@ double status_mb(const std::string& field) {
   return 0;
 }
 
-// A sanitizer keeps memory.
+// Sanitizers hold on to freed memory.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kHasOwnMemory = true;
 #else
@@ -167,15 +167,15 @@ TEST_F(Memory, OfUploadsThatBreakOffIsGivenBack) {
         "60000000\r\n\r\n");
     peer.send(part);
   }
-  // Memory of earlier tests may be returned meanwhile.
+  // Memory of earlier tests may be released in the meantime.
   EXPECT_TRUE(eventually([&] { return status_mb("VmRSS:") > before + 100; }));
   peers.clear();
   EXPECT_TRUE(eventually([&] { return status_mb("VmRSS:") < before + 30; }))
       << status_mb("VmRSS:") - before;
 }
 
-// Each motion took 112 bytes or more when all were kept: 90 MB. Now they take 30 to 50, of which
-// the threads of this process have a part.
+// Keeping all motions would take at least 112 bytes each: 90 MB. The programs take 30 to 50 MB,
+// including memory of the threads.
 TEST_F(Memory, OfAShortProgramWithManyMotionsIsLittle) {
   if (!(std::ofstream("/proc/self/clear_refs") << "5" << std::flush)) {
     GTEST_SKIP() << "this machine does not begin the peak again";

@@ -85,7 +85,7 @@ TEST_F(Viewers, LearnFromMeshFramesWhichMotionsTheyInclude) {
   while (eve.motions <= motions) eve.take();
 }
 
-/// A watcher that measures the largest excess of received bytes over its budget.
+/// A watcher that measures by how much received bytes exceed its budget.
 class CountedWatcher : public Watcher {
  public:
   CountedWatcher(std::uint16_t port, double bytes_per_s, const Json& hello = Json::object())
@@ -106,7 +106,7 @@ class CountedWatcher : public Watcher {
   double most = -INFINITY;
 
  private:
-  // What a tile has at most in a frame, and the burst and the step of the server's budget.
+  // Maximum size of a tile in a frame, and the burst and step of the server's budget.
   static constexpr double kTileBytes = 30'000, kBurstS = 0.55;
   CountedWatcher(Clock::time_point begin, std::uint16_t port, double bytes_per_s, const Json& hello)
       : Watcher(port, hello), begin_(begin), bytes_per_s_(bytes_per_s) {}
@@ -123,8 +123,8 @@ class Budgets : public Viewers {
            scene_with({{"stock",
                         {{"shape", "box"}, {"min_mm", {-12, -6, -20}}, {"max_mm", {12, 6, 0}}}}}));
   }
-  /// Cuts across the whole block, deeper and deeper, until `done`, a little after each message that
-  /// the viewers get: however slow they are, there is something left to cut.
+  /// Cuts across the whole block, deeper and deeper, until `done`. Each cut follows a message to
+  /// the viewers: however slow they are, some stock is left.
   template <typename Done>
   void watch(const std::vector<CountedWatcher*>& viewers, Done done) {
     Hand hand(port);
@@ -151,7 +151,7 @@ TEST_F(Budgets, AViewerIsNeverSentMoreAndHasEverythingExactlyInTheEnd) {
   EXPECT_EQ(free.coarse, 0U);
   EXPECT_TRUE(bound.has_levels_only(0));
   EXPECT_EQ(bound.tiles.size(), free.tiles.size());
-  // The past comes within it too.
+  // The budget also applies to the past.
   const std::string now = hash();
   bound.send({{"type", "seek"}, {"at", info().at("motions").get<int>() / 2}});
   while (!bound.last.contains("at")) bound.take();
@@ -193,7 +193,7 @@ TEST_F(Budgets, AreBoundedByTheServer) {
 class Crowd : public Viewers {
  protected:
   static constexpr std::size_t kViewers = 200;
-  /// A list of 200 names for each of 200 viewers has 3 MB.
+  /// A list of 200 names for each of 200 viewers takes 3 MB.
   static constexpr std::size_t kTextBytesMax = 600'000;
 
   std::unique_ptr<Watcher> come(std::size_t number, const Json& more = Json::object()) const {
@@ -201,7 +201,7 @@ class Crowd : public Viewers {
     hello.update(more);
     return std::make_unique<Watcher>(port, hello);
   }
-  /// Changes the tool all the time until `stop`.
+  /// Changes the tool continually until `stop`.
   void change_tools(const std::atomic<bool>& stop) const {
     Hand hand(port);
     for (int n = 0; !stop; ++n) {
@@ -210,7 +210,8 @@ class Crowd : public Viewers {
       hand.result();  // so that its answers are read
     }
   }
-  /// Follows the lists and changes until all others have left; the carvers that it still has then.
+  /// Follows lists and changes until all other viewers have left. Returns the number of carvers
+  /// left.
   static std::size_t carvers_in_the_end(Watcher& viewer) {
     std::map<int, std::string> people;
     const auto take = [&](const Json& list) {
@@ -248,7 +249,7 @@ TEST_F(Crowd, ThatReadsLateIsKeptAndCostsLittleText) {
   stop = true;
   changing.get();
   std::size_t text = 0;
-  for (const auto& viewer : viewers) {  // one that the server has dropped throws
+  for (const auto& viewer : viewers) {  // a dropped viewer throws
     EXPECT_EQ(carvers_in_the_end(*viewer), 0U);
     text += viewer->text_bytes();
   }

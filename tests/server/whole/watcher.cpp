@@ -13,7 +13,7 @@
 namespace kerf::test {
 namespace {
 
-/// The place of a node and the coded bytes of its mesh.
+/// Returns the node's position and the encoded bytes of its mesh.
 std::string mesh_of(const Json& document, const Json& node, std::string_view buffer) {
   if (!node.contains("mesh")) return {};
   std::string mesh = node.at("translation").dump();

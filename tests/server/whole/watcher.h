@@ -11,7 +11,7 @@
 
 namespace kerf::test {
 
-/// A viewer, which acknowledges what it gets.
+/// A viewer that acknowledges all frames.
 class Watcher : public WebPeer {
  public:
   explicit Watcher(std::uint16_t port, const Json& hello = Json::object(),
@@ -21,22 +21,22 @@ class Watcher : public WebPeer {
   struct Tile {
     std::uint64_t version = 0;
     int level = 0;
-    std::string mesh;  ///< its place and its coded mesh
+    std::string mesh;  ///< position and encoded mesh
   };
-  /// Takes the next message; returns its type, "mesh" or "tools". Throws at the end.
+  /// Takes the next message. Returns its type, "mesh" or "tools". Throws at the end.
   std::string take();
-  /// Takes messages until a state is settled, and returns that.
+  /// Takes messages until a state is settled. Returns that state.
   Json settled();
-  /// The same until the settled state has this hash.
+  /// Like settled(), until the settled state has this hash.
   Json settled(const std::string& hash);
   bool has_levels_only(int level) const;
 
-  Json welcome, last = Json::object();  ///< `last`: the text that came last
+  Json welcome, last = Json::object();  ///< `last`: the newest text message
   int welcomes = 1;
   std::map<std::pair<int, int>, Tile> tiles;
-  std::size_t received = 0;  ///< tiles of all frames
+  std::size_t received = 0;  ///< number of tiles in all frames
   std::size_t mesh_bytes = 0, coarse = 0;
-  std::uint64_t motions = 0;  ///< that the last mesh frame includes
+  std::uint64_t motions = 0;  ///< motions included in the last mesh frame
   std::vector<wire::ToolState> tools;
 
  private:

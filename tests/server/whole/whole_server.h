@@ -31,8 +31,8 @@ inline Json scene_with(const Json& fields) {
   return scene;
 }
 
-/// A whole server in this process, with real sockets and a session "block". A test waits for what
-/// the server sends.
+/// A whole server in this process, with real sockets and a session "block". Tests wait for the
+/// server's messages.
 class WholeServer : public testing::Test {
  protected:
   void SetUp() override {
@@ -40,7 +40,7 @@ class WholeServer : public testing::Test {
     create("block");
   }
 
-  /// Starts the server of `options`, which has loaded its sessions then.
+  /// Starts the server with `options` and waits until it has loaded its sessions.
   void start() {
     server = make(data());
     ASSERT_TRUE(server);
@@ -50,7 +50,7 @@ class WholeServer : public testing::Test {
       return ready.json().at("status") != "loading";
     }));
   }
-  /// A server of `options` on another folder.
+  /// Makes a server with `options` on another folder.
   std::unique_ptr<net::Server> make(const std::filesystem::path& folder_of_data) {
     options.port = 0;
     options.udp.on = false;
