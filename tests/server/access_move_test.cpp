@@ -44,7 +44,7 @@ class AccessMoveTest : public testing::Test {
   std::unique_ptr<Access> access, other;
 };
 
-TEST_F(AccessMoveTest, AnotherServerHasTheRightsOfTheAttachments) {
+TEST_F(AccessMoveTest, AttachmentsMoveRightsToAnotherServer) {
   const Issued open = invite(Role::kWatcher), named = invite(Role::kSculptor, "Ada");
   const Issued gone = invite(Role::kOwner), brief = invite(Role::kOwner, "", 10);
   const Issued pass = *access->redeem(open.token, "block", "Eve");
@@ -76,7 +76,7 @@ TEST_F(AccessMoveTest, AnotherServerHasTheRightsOfTheAttachments) {
   }
 }
 
-TEST_F(AccessMoveTest, WhatTheAttachmentsDoNotHaveEndsThere) {
+TEST_F(AccessMoveTest, RightsMissingFromTheAttachmentsEnd) {
   const Issued stays = invite(Role::kWatcher), ends = invite(Role::kOwner);
   ASSERT_TRUE(other->adopt("block", kept.list));
   EXPECT_EQ(*other->adopt("block", kept.list), std::vector<std::string>());
@@ -94,7 +94,7 @@ TEST_F(AccessMoveTest, WhatTheAttachmentsDoNotHaveEndsThere) {
   EXPECT_TRUE(other->regions("block").empty());
 }
 
-TEST_F(AccessMoveTest, DamagedRightsAreNone) {
+TEST_F(AccessMoveTest, DamagedRightsAreIgnored) {
   const Issued owner = invite(Role::kOwner);
   ASSERT_TRUE(access->reserve("block", {.min_mm = {0, 0, 0}, .max_mm = {1, 1, 1}}));
   for (Attachment& one : kept.list) one.bytes.pop_back();

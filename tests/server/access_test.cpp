@@ -54,7 +54,7 @@ TEST(Rights, TheReadmeHoldsTheTable) {
       << rights_markdown();
 }
 
-TEST(Rights, ARoleThatIsInvitedMayDoAllThatALowerOneMay) {
+TEST(Rights, EachInvitedRoleIncludesTheLowerOnes) {
   constexpr Role kRoles[] = {Role::kWatcher, Role::kSculptor, Role::kOwner, Role::kAdministrator};
   for (std::size_t n = 0; n + 1 < std::size(kRoles); ++n) {
     for (int number = 0; number <= static_cast<int>(Action::kCloseSession); ++number) {
@@ -72,7 +72,7 @@ TEST(Rights, ARoleThatIsInvitedMayDoAllThatALowerOneMay) {
   }
 }
 
-TEST_F(AccessTest, ATokenGivesItsRoleInItsSessionOnly) {
+TEST_F(AccessTest, TokensGrantTheirRoleInTheirSessionOnly) {
   const Issued sculptor = invite(Role::kSculptor);
   EXPECT_EQ(role_of(sculptor.token), Role::kSculptor);
   EXPECT_EQ(role_of(sculptor.token, "other"), Role::kNobody);
@@ -82,7 +82,7 @@ TEST_F(AccessTest, ATokenGivesItsRoleInItsSessionOnly) {
   EXPECT_EQ(role_of(""), Role::kNobody);
 }
 
-TEST_F(AccessTest, AnyOtherTextIsNobody) {
+TEST_F(AccessTest, UnknownTokensIdentifyNobody) {
   const Issued owner = invite(Role::kOwner);
   std::vector<std::string> others = {"kerf_", "x", kAdmin + "0", kAdmin.substr(1), owner.grant.id};
   for (std::size_t n = 0; n < owner.token.size(); ++n) {
@@ -97,7 +97,7 @@ TEST_F(AccessTest, AnyOtherTextIsNobody) {
   }
 }
 
-TEST_F(AccessTest, AnInvitationExpiresAndItsPassesWithIt) {
+TEST_F(AccessTest, PassesExpireWithTheirInvitation) {
   const Issued invitation = invite(Role::kSculptor, "", 60);
   const auto pass = access->redeem(invitation.token, "block", "Ada");
   ASSERT_TRUE(pass);
@@ -111,7 +111,7 @@ TEST_F(AccessTest, AnInvitationExpiresAndItsPassesWithIt) {
   EXPECT_TRUE(access->grants("block").empty());
 }
 
-TEST_F(AccessTest, AnInvitationIsUsedAsOftenAsItsOwnerSays) {
+TEST_F(AccessTest, InvitationsHaveALimitedNumberOfUses) {
   EXPECT_FALSE(access->invite("block", {.uses = -1}));
   EXPECT_FALSE(access->invite("block", {.uses = 2001}));
   const Issued invitation = access->invite("block", {.uses = 2}).value();
@@ -140,7 +140,7 @@ TEST_F(AccessTest, OneNetworkDoesNotUseUpAnInvitation) {
   EXPECT_TRUE(redeem("10.0.0.2"));
 }
 
-TEST_F(AccessTest, AFileFromBeforeUsesWereCountedIsContinued) {
+TEST_F(AccessTest, FilesWithoutUseCountsAreContinued) {
   access.reset();
   std::filesystem::remove(folder.path() / GrantFile::kName);
   {
@@ -161,7 +161,7 @@ TEST_F(AccessTest, AFileFromBeforeUsesWereCountedIsContinued) {
   EXPECT_EQ(access->grants("block").size(), 2U);
 }
 
-TEST_F(AccessTest, RevokingAnInvitationEndsItsPasses) {
+TEST_F(AccessTest, RevokingAnInvitationRevokesItsPasses) {
   const Issued invitation = invite(Role::kWatcher), other = invite(Role::kWatcher);
   const auto pass = access->redeem(invitation.token, "block", "Ada");
   ASSERT_TRUE(pass);
@@ -177,7 +177,7 @@ TEST_F(AccessTest, RevokingAnInvitationEndsItsPasses) {
   EXPECT_EQ(role_of(other.token), Role::kWatcher);
 }
 
-TEST_F(AccessTest, APersonKeepsNameColorAndMuteOverARestart) {
+TEST_F(AccessTest, NameColorAndMuteOfAPersonSurviveARestart) {
   const Issued invitation = invite(Role::kSculptor);
   const auto ada = access->redeem(invitation.token, "block", "Ada");
   const auto grace = access->redeem(invitation.token, "block", "Grace");
@@ -195,7 +195,7 @@ TEST_F(AccessTest, APersonKeepsNameColorAndMuteOverARestart) {
   EXPECT_EQ(role_of(grace->token), Role::kOwner);
 }
 
-TEST_F(AccessTest, PersonsHaveDifferentLastingColors) {
+TEST_F(AccessTest, PeopleHaveDistinctLastingColors) {
   std::set<std::string> colors;
   for (const char* name : {"Ada", "Grace", "Mary"}) {
     const auto by_name = access->invite("block", {.role = Role::kSculptor, .name = name}).value();
@@ -211,7 +211,7 @@ TEST_F(AccessTest, PersonsHaveDifferentLastingColors) {
   for (int n = 0; n < 10; ++n) ASSERT_TRUE(access->redeem(invite(Role::kOwner).token, "block", ""));
 }
 
-TEST_F(AccessTest, DecisionsAboutAPersonInvitedByNameHoldForItsLink) {
+TEST_F(AccessTest, DecisionsAboutANamedInvitationApplyToItsLink) {
   const auto ada = access->invite("block", {.role = Role::kSculptor, .name = "Ada"}).value();
   const auto pass = access->redeem(ada.token, "block", "").value();
   const auto changed = access->set_role(pass.grant.id, Role::kWatcher);
@@ -227,7 +227,7 @@ TEST_F(AccessTest, DecisionsAboutAPersonInvitedByNameHoldForItsLink) {
   EXPECT_EQ(access->identify(ada.token, "block").role, Role::kNobody);
 }
 
-TEST_F(AccessTest, DecisionsAboutOneHolderOfASharedLinkLeaveTheOthersAlone) {
+TEST_F(AccessTest, DecisionsAboutOneHolderOfASharedLinkAffectNobodyElse) {
   const auto shared = access->invite("block", {.role = Role::kOwner}).value();
   const auto one = access->redeem(shared.token, "block", "One").value();
   const auto two = access->redeem(shared.token, "block", "Two").value();
@@ -242,20 +242,20 @@ TEST_F(AccessTest, DecisionsAboutOneHolderOfASharedLinkLeaveTheOthersAlone) {
   EXPECT_EQ(access->identify(again.token, "block").role, Role::kSculptor);
 }
 
-TEST_F(AccessTest, AnInvitationHasAColorOrNone) {
+TEST_F(AccessTest, InvitationColorIsOptional) {
   for (const char* color : {"red", "#12345", "#1234567", "#12345g", "red;"}) {
     EXPECT_FALSE(access->invite("block", {.role = Role::kWatcher, .color = color})) << color;
   }
   EXPECT_TRUE(access->invite("block", {.role = Role::kWatcher, .color = "#12aBcf"}));
 }
 
-TEST_F(AccessTest, APassIsNoInvitation) {
+TEST_F(AccessTest, PassesCannotBeUsedAsInvitations) {
   const auto pass = access->redeem(invite(Role::kOwner).token, "block", "Ada");
   ASSERT_TRUE(pass);
   EXPECT_FALSE(access->redeem(pass->token, "block", "Eve"));
 }
 
-TEST_F(AccessTest, TokensAreStoredAsHashesInAFileOfTheirOwner) {
+TEST_F(AccessTest, TokensAreStoredHashedInAPrivateFile) {
   const Issued invitation = invite(Role::kOwner, "Ada");
   const std::string secret = invitation.token.substr(invitation.token.rfind('_') + 1);
   ASSERT_EQ(secret.size(), 32U);
@@ -291,7 +291,7 @@ TEST_F(AccessTest, ASessionOfTheSameIdBeginsWithoutRights) {
   EXPECT_TRUE(access->regions("block").empty());
 }
 
-TEST_F(AccessTest, RegionsLastOverARestart) {
+TEST_F(AccessTest, RegionsSurviveARestart) {
   ASSERT_TRUE(access->reserve("block", {.min_mm = {0, 0.25, 0}, .max_mm = {1, 1, 1}}));
   const auto second = access->reserve(
       "block", {.min_mm = {2, 0, 0}, .max_mm = {3, 1, 1}, .participant = 7, .person = "p"});
@@ -320,7 +320,7 @@ TEST_F(AccessTest, LimitsAreErrors) {
   EXPECT_FALSE(Access::open({.admin_token = "short"}));
 }
 
-TEST(AdminToken, AFileIsMadeOnceAndForItsOwnerOnly) {
+TEST(AdminToken, FileIsCreatedOnceAndPrivate) {
   const test::TemporaryFolder folder;
   const std::string file = (folder.path() / "admin").string();
   const auto made = read_admin_token(file);

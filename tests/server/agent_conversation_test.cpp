@@ -40,7 +40,7 @@ TEST_F(AgentConversationTest, FramesOfAnotherEpochHaveNoEffect) {
   EXPECT_EQ(session->sequence(), before + 3);
 }
 
-TEST_F(AgentConversationTest, HelloIsAnsweredByWelcomeAndParticipants) {
+TEST_F(AgentConversationTest, HelloGetsWelcomeAndParticipants) {
   const auto ada = agent();
   send_text(*ada, R"({"type":"hello","name":"Ada","tool":1})");
   const auto list = messages(*ada);
@@ -51,7 +51,7 @@ TEST_F(AgentConversationTest, HelloIsAnsweredByWelcomeAndParticipants) {
   EXPECT_EQ(list[1].at("type"), "participants");
 }
 
-TEST_F(AgentConversationTest, NothingIsAcceptedBeforeTheHello) {
+TEST_F(AgentConversationTest, MessagesBeforeTheHelloAreRejected) {
   const auto ada = agent();
   send_text(*ada, R"({"type":"tool","tool":2})");
   EXPECT_EQ(error_code(*ada), "no_hello");
@@ -76,7 +76,7 @@ TEST_F(AgentConversationTest, EachMistakeHasItsErrorText) {
   EXPECT_EQ(reason(), "the frame has 4097 bytes; the limit is 4096");
 }
 
-TEST_F(AgentConversationTest, AMissingHelloEndsTheConversation) {
+TEST_F(AgentConversationTest, MissingHelloEndsTheConversation) {
   const auto ada = agent();
   ada->hello_expired();
   EXPECT_TRUE(ada->finishing());
@@ -94,7 +94,7 @@ TEST_F(AgentConversationTest, AnExpiredHelloTimerHasNoEffectOnAParticipant) {
   EXPECT_TRUE(drain(*ada).empty());
 }
 
-TEST_F(AgentConversationTest, AMotionIsAnsweredByOneResult) {
+TEST_F(AgentConversationTest, EachBatchGetsOneResult) {
   const auto ada = agent();
   join_agent(*ada);
   send(*ada, encoded(batch(3)));
@@ -119,7 +119,7 @@ TEST_F(AgentConversationTest, AFullControlQueueBreaksTheConnection) {
   EXPECT_EQ(session->info().motions, 0U);
 }
 
-TEST_F(AgentConversationTest, TheSessionsEndIsABye) {
+TEST_F(AgentConversationTest, EndOfTheSessionSendsABye) {
   const auto ada = agent();
   join_agent(*ada);
   send(*ada, encoded(batch()));
@@ -132,7 +132,7 @@ TEST_F(AgentConversationTest, TheSessionsEndIsABye) {
   EXPECT_EQ(list[0].at("reason"), "maintenance");
 }
 
-TEST_F(AgentConversationTest, ARemovedAgentLeavesAtOnceAlthoughItsConnectionIsStillThere) {
+TEST_F(AgentConversationTest, RemovedAgentLeavesBeforeItsConnectionEnds) {
   const auto ada = agent(), bob = agent();
   join_agent(*ada);
   join_agent(*bob, R"({"type":"hello","name":"Bob"})");
@@ -144,7 +144,7 @@ TEST_F(AgentConversationTest, ARemovedAgentLeavesAtOnceAlthoughItsConnectionIsSt
   EXPECT_EQ(session->info().participants.size(), 1U);
 }
 
-TEST_F(AgentConversationTest, AMotionOfARemovedAgentIsCompletedWithoutIt) {
+TEST_F(AgentConversationTest, MotionOfARemovedAgentIsCompleted) {
   std::string fine = kScene;  // tiles of 0.96 mm: one motion is the work of several turns
   fine.replace(fine.find("0.5"), 3, "0.03");
   session = *registry->create("fine", fine, {});
@@ -161,7 +161,7 @@ TEST_F(AgentConversationTest, AMotionOfARemovedAgentIsCompletedWithoutIt) {
   EXPECT_FALSE(session->is_between_records());
 }
 
-TEST_F(AgentConversationTest, ParticipantsAreReportedToTheOthers) {
+TEST_F(AgentConversationTest, ParticipantsAreReportedToEachOther) {
   const auto ada = agent(), bob = agent();
   join_agent(*ada);
   join_agent(*bob, R"({"type":"hello","name":"Bob"})");
@@ -189,7 +189,7 @@ TEST_F(AgentConversationTest, ViewersAreNotInTheListsOfAgents) {
   }
 }
 
-TEST_F(AgentConversationTest, AnAgentThatReadsNothingSurvivesAnyNumberOfToolChanges) {
+TEST_F(AgentConversationTest, StalledAgentSurvivesAnyNumberOfToolChanges) {
   const auto ada = agent(), bob = agent();
   join_agent(*ada);
   join_agent(*bob, R"({"type":"hello","name":"Bob"})");

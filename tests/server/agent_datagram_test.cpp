@@ -22,7 +22,7 @@ class UdpOffer : public ConversationTest {
   }
 };
 
-TEST_F(UdpOffer, IsMadeOnRequestAndWhereThereIsAPort) {
+TEST_F(UdpOffer, NeedsARequestAndAPort) {
   EXPECT_FALSE(answer_to(R"({"type":"hello"})").contains("udp"));
   EXPECT_FALSE(answer_to(R"({"type":"hello","udp":false})").contains("udp"));
   EXPECT_EQ(udp_offers, 0) << "no keys are made";
@@ -59,7 +59,7 @@ class AgentDatagramTest : public ConversationTest {
   std::deque<Bytes> sent;
 };
 
-TEST_F(AgentDatagramTest, NothingIsAppliedBeforeASampleOverTheWebSocket) {
+TEST_F(AgentDatagramTest, DatagramsNeedAPriorWebSocketSample) {
   const auto answers = exchange(encoded(batch()));
   ASSERT_EQ(answers.size(), 1U);
   EXPECT_TRUE(result_of(answers[0]).status & wire::kStatusGap);
@@ -75,7 +75,7 @@ TEST_F(AgentDatagramTest, ConsecutiveSamplesAreAppliedAndAnsweredOverUdp) {
   EXPECT_TRUE(drain(*ada).empty());
 }
 
-TEST_F(AgentDatagramTest, AGapOrARepetitionIsAnsweredByThePreviousResult) {
+TEST_F(AgentDatagramTest, GapsAndRepetitionsGetThePreviousResult) {
   send(*ada, encoded(batch()));
   const wire::MotionBatch first = batch(2);
   exchange(encoded(first));
@@ -94,7 +94,7 @@ TEST_F(AgentDatagramTest, AGapOrARepetitionIsAnsweredByThePreviousResult) {
   EXPECT_TRUE(metrics.text(*registry).contains("\nkerf_motion_gaps_total 1\n"));
 }
 
-TEST_F(AgentDatagramTest, OneOfLongAgoIsAnsweredByTheNewestResultAndCutsNothing) {
+TEST_F(AgentDatagramTest, OldDatagramGetsTheNewestResultAndCutsNothing) {
   send(*ada, encoded(batch()));
   std::vector<wire::MotionBatch> batches;
   for (int n = 0; n < 5; ++n) {
@@ -110,7 +110,7 @@ TEST_F(AgentDatagramTest, OneOfLongAgoIsAnsweredByTheNewestResultAndCutsNothing)
   EXPECT_EQ(session->info().motions, motions);
 }
 
-TEST_F(AgentDatagramTest, AFrameThatIsNoneIsAnErrorOverTheWebSocket) {
+TEST_F(AgentDatagramTest, MalformedDatagramIsAnErrorOverTheWebSocket) {
   Bytes cut = encoded(batch());
   cut.resize(cut.size() - 8);
   for (const Bytes& wrong : {Bytes(1), Bytes(40), cut}) {
@@ -125,7 +125,7 @@ TEST_F(AgentDatagramTest, APingIsAnsweredOverUdp) {
   EXPECT_EQ(std::get<wire::Pong>(answers[0].body).ping_time_us, 42U);
 }
 
-TEST_F(AgentDatagramTest, TheForceOfAnotherParticipantLeavesBeforeTheResult) {
+TEST_F(AgentDatagramTest, ForceOfAnotherParticipantIsSentBeforeTheResult) {
   const auto bob = agent();
   join_agent(*bob, R"({"type":"hello","name":"Bob","udp":true,"feel_of":1})");
   send(*ada, encoded(batch()));
@@ -146,7 +146,7 @@ TEST_F(AgentDatagramTest, TheForceOfAnotherParticipantLeavesBeforeTheResult) {
   EXPECT_EQ(bob->take_datagram(), nullptr);
 }
 
-TEST_F(AgentDatagramTest, AMotionThatWaitsForThoseOfOthersIsAnsweredOverItsTransport) {
+TEST_F(AgentDatagramTest, QueuedMotionIsAnsweredOverItsTransport) {
   SerialWorkers carvers;
   session->carve_on(carvers);
   const auto bob = agent();
@@ -175,7 +175,7 @@ TEST_F(AgentDatagramTest, AMotionThatWaitsForThoseOfOthersIsAnsweredOverItsTrans
   }
 }
 
-TEST_F(AgentDatagramTest, APingDuringABatchLeavesSpaceForItsAnswer) {
+TEST_F(AgentDatagramTest, PingDuringABatchReservesSpaceForTheResult) {
   SerialWorkers carvers;
   session->carve_on(carvers);
   const auto bob = agent();

@@ -35,7 +35,7 @@ class AgentIntentTest : public ConversationTest {
   double y_mm = 0;
 };
 
-TEST_F(AgentIntentTest, TheToolOfAnotherIsSentAheadAtMostEveryTenMilliseconds) {
+TEST_F(AgentIntentTest, NearbyToolIsSentAtMostEveryTenMilliseconds) {
   begin(R"({"type":"hello","intent":true})");
   step(0);
   std::vector<wire::Intents> all;
@@ -54,7 +54,7 @@ TEST_F(AgentIntentTest, TheToolOfAnotherIsSentAheadAtMostEveryTenMilliseconds) {
   EXPECT_EQ(all.size(), 10U);
 }
 
-TEST_F(AgentIntentTest, AToolThatLeavesIsListedNoMore) {
+TEST_F(AgentIntentTest, DepartedToolIsNotListed) {
   begin(R"({"type":"hello","intent":true})");
   step(0);
   for (int ms = 0; ms < 20; ++ms) step(0);
@@ -70,7 +70,7 @@ TEST_F(AgentIntentTest, AToolThatLeavesIsListedNoMore) {
   EXPECT_EQ(frames, 1);
 }
 
-TEST_F(AgentIntentTest, NothingIsSentUnlessAskedFor) {
+TEST_F(AgentIntentTest, IntentsAreSentOnRequestOnly) {
   begin(R"({"type":"hello","stock":true})");
   for (int ms = 0; ms < 40; ++ms) EXPECT_TRUE(step(0).empty());
 }

@@ -56,7 +56,7 @@ class AgentMistakes : public ConversationTest {
 /// Offsets of fields in a frame: in its header, and the number of its samples.
 constexpr std::size_t kMagicAt = 0, kTypeAt = 4, kPayloadAt = 8, kCountAt = 32;
 
-TEST_F(AgentMistakes, EachFrameHasItsErrorAndBothGoOn) {
+TEST_F(AgentMistakes, EachInvalidFrameGetsItsErrorAndTheSessionContinues) {
   constexpr float kInfinite = std::numeric_limits<float>::infinity();
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const Bytes one = encoded(batch()), sixteen = encoded(batch(16));
@@ -109,7 +109,7 @@ TEST_F(AgentMistakes, EachFrameHasItsErrorAndBothGoOn) {
   }
 }
 
-TEST_F(AgentMistakes, EachTextHasItsError) {
+TEST_F(AgentMistakes, EachInvalidTextGetsItsError) {
   const std::pair<const char*, const char*> rows[] = {
       {"{", "bad_json"},
       {"", "bad_json"},
@@ -135,7 +135,7 @@ TEST_F(AgentMistakes, EachTextHasItsError) {
   expect_both_go_on();
 }
 
-TEST_F(AgentMistakes, AFrameOfAnUnknownTypeIsSkipped) {
+TEST_F(AgentMistakes, UnknownFrameTypesAreSkipped) {
   Bytes unknown = encoded(wire::Ping{});
   unknown[kTypeAt] = std::byte{99};
   send(*mallory, unknown);
@@ -143,7 +143,7 @@ TEST_F(AgentMistakes, AFrameOfAnUnknownTypeIsSkipped) {
   expect_both_go_on();
 }
 
-TEST_F(AgentMistakes, ARejectedHelloMayBeRepeated) {
+TEST_F(AgentMistakes, RejectedHelloMayBeRepeated) {
   const auto eve = agent();
   send_text(*eve, R"({"type":"hello","name":"Eve","tool":42})");
   EXPECT_EQ(error_code(*eve), "unknown_tool");
@@ -160,7 +160,7 @@ class AgentFlood : public ConversationTest {
   }
 };
 
-TEST_F(AgentFlood, OfSamplesIsTooFastAndOthersAreServed) {
+TEST_F(AgentFlood, SampleFloodIsRejectedWithoutDelayingOtherAgents) {
   const auto mallory = agent(), ada = agent();
   join_agent(*mallory, R"({"type":"hello","name":"Mallory"})");
   join_agent(*ada);
@@ -200,7 +200,7 @@ class AgentCuts : public ConversationTest {
   std::unique_ptr<AgentConversation> ada;
 };
 
-TEST_F(AgentCuts, ResultsHaveTheForceAndAllThatIsRemoved) {
+TEST_F(AgentCuts, ResultsReportForceAndRemovedVolume) {
   double removed = 0, force = 0;
   wire::Result result;
   for (int n = 0; n < 300; ++n) {
@@ -221,7 +221,7 @@ TEST_F(AgentCuts, MovesThroughTheAirCutNothing) {
   EXPECT_EQ(session->info().removed_mm3, 0);
 }
 
-TEST_F(AgentCuts, AGapBetweenSamplesIsCutAlongItsChord) {
+TEST_F(AgentCuts, GapBetweenSamplesIsCutAlongItsChord) {
   answer(next(-10, 0, -2));
   sequence += 50;  // fifty samples were lost
   EXPECT_GT(answer(next(10, 0, -2)).removed_mm3, 100);

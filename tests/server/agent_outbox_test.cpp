@@ -10,7 +10,7 @@ using Kind = OutFrame::Kind;
 
 wire::FrameStamp stamp(std::uint64_t sequence) { return {1, sequence, 0}; }
 
-TEST(AgentOutbox, ResultsLeaveFirstAndStockLast) {
+TEST(AgentOutbox, ResultsAreSentFirstAndStockLast) {
   AgentOutbox box;
   box.put_stock(stamp(1), {});
   EXPECT_TRUE(box.has_stock());
@@ -27,7 +27,7 @@ TEST(AgentOutbox, ResultsLeaveFirstAndStockLast) {
   EXPECT_FALSE(box.take(frame));
 }
 
-TEST(AgentOutbox, ANewerResultReplacesOneThatHasNotLeft) {
+TEST(AgentOutbox, NewerResultReplacesAnUnsentOne) {
   AgentOutbox box;
   OutFrame frame;
   const auto later = Clock::time_point(std::chrono::seconds(5));
@@ -53,7 +53,7 @@ TEST(AgentOutbox, AFullControlQueueRejectsTextsAndDropsPongs) {
   EXPECT_EQ(left, ControlQueue::kMax);
 }
 
-TEST(AgentOutbox, AfterCloseOnlyQueuedControlMessagesLeave) {
+TEST(AgentOutbox, AfterCloseOnlyQueuedControlMessagesAreSent) {
   AgentOutbox box;
   box.put_result(stamp(1), {}, {});
   box.put_stock(stamp(1), {});

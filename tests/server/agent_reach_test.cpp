@@ -14,7 +14,7 @@ using AgentReachTest = ConversationTest;
 constexpr const char* kReach = R"({"type":"reach","center_mm":[1,2,3],"half_mm":[60,50,40],
     "turn_rad":[0,0,1.5],"scale":0.5})";
 
-TEST_F(AgentReachTest, ListsOfViewersStateWhereADeviceReachesWhenThatChanges) {
+TEST_F(AgentReachTest, ViewersSeeChangesOfADevicesReach) {
   const auto ada = agent();
   send_text(*ada, R"({"type":"hello","name":"Ada","reach":true})");
   EXPECT_EQ(messages(*ada).at(0).at("reach"), true) << "the welcome offers it";
@@ -38,7 +38,7 @@ TEST_F(AgentReachTest, ListsOfViewersStateWhereADeviceReachesWhenThatChanges) {
   EXPECT_TRUE(messages(*ada).empty()) << "neither an answer nor an error";
 }
 
-TEST_F(AgentReachTest, AReachThatIsNoBoxIsRejected) {
+TEST_F(AgentReachTest, InvalidReachIsRejected) {
   const auto ada = agent();
   join_agent(*ada);
   const auto reason = [&](const std::string& fields) {

@@ -34,7 +34,7 @@ class AgentResumeTest : public ConversationTest {
   }
 };
 
-TEST_F(AgentResumeTest, AnAgentThatDoesNotAskGetsNeitherATokenNorADurableSequence) {
+TEST_F(AgentResumeTest, TokenAndDurableSequenceAreSentOnRequestOnly) {
   const auto ada = agent();
   send_text(*ada, R"({"type":"hello","tool":1})");
   EXPECT_FALSE(messages(*ada).at(0).contains("resume"));
@@ -46,7 +46,7 @@ TEST_F(AgentResumeTest, AnAgentThatDoesNotAskGetsNeitherATokenNorADurableSequenc
   }
 }
 
-TEST_F(AgentResumeTest, ResultsAndPongsStateWhatIsDurable) {
+TEST_F(AgentResumeTest, ResultsAndPongsStateTheDurableSample) {
   const auto ada = agent();
   const auto welcome = hello(*ada);
   EXPECT_EQ(welcome.at("resume").at("token").get<std::string>().size(), 32U);
@@ -62,7 +62,7 @@ TEST_F(AgentResumeTest, ResultsAndPongsStateWhatIsDurable) {
   EXPECT_GE(move(*ada, batch(1)).durable_sequence, 3U);
 }
 
-TEST_F(AgentResumeTest, WhereACopyIsRequiredSamplesAreDurableWhenTheyAreCopied) {
+TEST_F(AgentResumeTest, RequiredCopyDelaysDurability) {
   session->place_in(nullptr, true);
   const auto durable = [this](AgentConversation& conversation) {
     send(conversation, encoded(wire::Ping{7}));
@@ -81,7 +81,7 @@ TEST_F(AgentResumeTest, WhereACopyIsRequiredSamplesAreDurableWhenTheyAreCopied) 
   EXPECT_EQ(durable(*ada), 3U);
 }
 
-TEST_F(AgentResumeTest, ATokenContinuesAfterTheLastSampleWithoutAGapOrASecondCut) {
+TEST_F(AgentResumeTest, ResumingContinuesWithoutAGapOrASecondCut) {
   auto ada = agent();
   const std::string token = hello(*ada)["resume"]["token"];
   const wire::MotionBatch first = batch(4);
@@ -100,7 +100,7 @@ TEST_F(AgentResumeTest, ATokenContinuesAfterTheLastSampleWithoutAGapOrASecondCut
   EXPECT_EQ(session->sequence(), before + 1) << "the motion from the last known sample";
 }
 
-TEST_F(AgentResumeTest, TheFirstStockStatesTheNewestSampleThatTheSessionKnows) {
+TEST_F(AgentResumeTest, FirstStockFrameStatesTheNewestKnownSample) {
   auto ada = agent();
   const std::string token = hello(*ada)["resume"]["token"];
   const wire::MotionBatch path = batch(4);
@@ -120,7 +120,7 @@ TEST_F(AgentResumeTest, TheFirstStockStatesTheNewestSampleThatTheSessionKnows) {
   EXPECT_EQ(times_us, std::vector{path.samples[3].time_us});
 }
 
-TEST_F(AgentResumeTest, ANewConnectionEndsTheOneThatIsStillOpen) {
+TEST_F(AgentResumeTest, NewConnectionReplacesTheOldOne) {
   const auto old = agent(), ada = agent();
   const std::string token = hello(*old)["resume"]["token"];
   move(*old, batch(2));
@@ -132,7 +132,7 @@ TEST_F(AgentResumeTest, ANewConnectionEndsTheOneThatIsStillOpen) {
   EXPECT_EQ(move(*ada, batch(1)).agent_sequence, 3U);
 }
 
-TEST_F(AgentResumeTest, AnUnknownOrMalformedTokenMakesANewParticipant) {
+TEST_F(AgentResumeTest, UnknownOrMalformedTokenCreatesANewParticipant) {
   const auto ada = agent();
   hello(*ada);
   std::uint64_t participant = 1;
@@ -175,7 +175,7 @@ TEST_F(AgentResumeTest, TokensSurviveARestartAndAreStoredHashed) {
   EXPECT_EQ(welcome.at("resume").at("agent_sequence"), 4);
 }
 
-TEST_F(AgentResumeTest, AFullSessionAdmitsAnAgentThatResumes) {
+TEST_F(AgentResumeTest, FullSessionAdmitsResumingAgents) {
   std::vector<std::unique_ptr<AgentConversation>> agents;
   std::string token;
   for (std::size_t n = 0; n < limits.agents_max; ++n) {

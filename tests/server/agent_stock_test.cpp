@@ -85,14 +85,14 @@ class CopyTest : public ReplicaTest {
   CopyTest() { hello = R"({"type":"hello","stock":true,"whole":true})"; }
 };
 
-TEST_F(CopyTest, ACutIsSentBetweenAChangeOfToolsAndTheNextSample) {
+TEST_F(CopyTest, CutsAreSentBetweenAToolChangeAndTheNextSample) {
   cut(1);
   send_text(*ada, R"({"type":"tool","tool":2})");
   send(*ada, encoded(wire::Ping{}));
   EXPECT_TRUE(stock_frame());
 }
 
-TEST_F(ReplicaTest, ACutBetweenTwoUpdatesIsSentWhenTheNextOneIsDue) {
+TEST_F(ReplicaTest, CutBetweenUpdatesIsSentWithTheNextOne) {
   cut(1);
   sample();
   ASSERT_TRUE(stock_frame());
@@ -106,7 +106,7 @@ TEST_F(ReplicaTest, ACutBetweenTwoUpdatesIsSentWhenTheNextOneIsDue) {
   EXPECT_TRUE(stock_frame());
 }
 
-TEST_F(ReplicaTest, ACutIsSentWhenAFrameBeforeItHasArrived) {
+TEST_F(ReplicaTest, CutIsSentOnceAnEarlierFrameIsAcknowledged) {
   std::uint64_t sent = 0;
   int n = 1;
   for (bool more = true; more;) {  // until the maximum number of frames is in flight

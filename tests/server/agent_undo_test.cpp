@@ -61,7 +61,7 @@ class AgentUndo : public SessionUndo {
   ParticipantId id_ = 0;
 };
 
-TEST_F(AgentUndo, TakesBackItsOwnNewestStrokesOneByOneAndPutsThemBack) {
+TEST_F(AgentUndo, UndoesAndRedoesOwnStrokesOneByOne) {
   const ParticipantId other = join("Bo");
   const std::uint64_t untouched = hash();
   const StrokeId first = stroke(id_, {-10, 0, -2}, {10, 0, -2});
@@ -136,7 +136,7 @@ class ReplicaOwner {
   std::uint64_t sent_ = 0;
 };
 
-TEST_F(AgentUndo, ReplicasTakeTilesBackIfTheySayThatTheyCan) {
+TEST_F(AgentUndo, ReplicasThatSupportItAcceptReturnedTiles) {
   ReplicaOwner can(session_, limits_, metrics_, R"({"type":"hello","stock":true,"returned":true})");
   ReplicaOwner cannot(session_, limits_, metrics_, R"({"type":"hello","stock":true})");
   stroke(id_, {-10, 0, -2}, {10, 0, -2});
@@ -153,7 +153,7 @@ TEST_F(AgentUndo, ReplicasTakeTilesBackIfTheySayThatTheyCan) {
   EXPECT_TRUE(all[0].reset && !all[0].returned);
 }
 
-TEST_F(AgentUndo, MeansTheStrokeThatIsTheNewestWhenItAsks) {
+TEST_F(AgentUndo, UndoesTheStrokeThatIsNewestAtTheRequest) {
   const StrokeId first = stroke(id_, {-10, 0, -2}, {10, 0, -2});
   send(R"({"type":"undo"})");
   const StrokeId second = stroke(id_, {0, -10, -2}, {0, 10, -2});
@@ -171,7 +171,7 @@ TEST_F(AgentUndo, MeansTheStrokeThatIsTheNewestWhenItAsks) {
   EXPECT_EQ(hash(), never_happened());
 }
 
-TEST_F(AgentUndo, LearnsWhyNothingChanges) {
+TEST_F(AgentUndo, GetsTheReasonOfAFailure) {
   const json none = answer(R"({"type":"undo"})");
   EXPECT_EQ(none.at("type"), "stroke");
   EXPECT_EQ(none.at("code"), "bad_message");
@@ -186,7 +186,7 @@ TEST_F(AgentUndo, LearnsWhyNothingChanges) {
   ASSERT_EQ(read().size(), 1U);
 }
 
-TEST_F(AgentUndo, IsRefusedToAMutedAgentAsCuttingIs) {
+TEST_F(AgentUndo, IsRejectedForMutedAgents) {
   const auto outcome = [&](std::string_view text) {
     send(text);
     work();
@@ -211,7 +211,7 @@ TEST_F(AgentUndo, IsRefusedToAMutedAgentAsCuttingIs) {
   EXPECT_EQ(hash(), one);
 }
 
-TEST_F(AgentUndo, MayLeaveBeforeItsUndoBegins) {
+TEST_F(AgentUndo, AgentMayLeaveBeforeItsUndoBegins) {
   stroke(id_, {-10, 0, -2}, {10, 0, -2});
   const std::uint64_t carved = hash();
   send(R"({"type":"undo"})");

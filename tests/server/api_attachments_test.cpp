@@ -70,7 +70,7 @@ class ApiAttachmentsTest : public ApiRightsTest {
   }
 };
 
-TEST_F(ApiAttachmentsTest, TheNextServerHasRightsRegionsAndTargetParts) {
+TEST_F(ApiAttachmentsTest, RightsRegionsAndTargetPartsMoveToTheNextServer) {
   const std::string invitation = invite("role=watcher");
   ASSERT_EQ(ask("POST", "/v1/sessions/block/regions?min_mm=0,0,-5&max_mm=5,5,0", kAdmin).status,
             201U);
@@ -89,7 +89,7 @@ TEST_F(ApiAttachmentsTest, TheNextServerHasRightsRegionsAndTargetParts) {
   EXPECT_EQ(other.targets(), Json::array({part}));
 }
 
-TEST_F(ApiAttachmentsTest, AJournalThatComesAgainReplacesWhatTheServerHad) {
+TEST_F(ApiAttachmentsTest, ReturningJournalReplacesTheServersData) {
   const std::string invitation = invite("role=watcher");
   add_target("t.stl");
   OtherServer other;
@@ -110,7 +110,7 @@ TEST_F(ApiAttachmentsTest, AJournalThatComesAgainReplacesWhatTheServerHad) {
   EXPECT_EQ(other.targets(), Json::array());
 }
 
-TEST_F(ApiAttachmentsTest, ANewSessionHasNothingOfAFormerOneOfItsId) {
+TEST_F(ApiAttachmentsTest, NewSessionInheritsNothingFromItsId) {
   OtherServer other;
   const auto stale = other.access->invite("block", {.role = Role::kOwner});
   ASSERT_TRUE(stale);

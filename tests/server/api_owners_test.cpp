@@ -53,7 +53,7 @@ class ApiOwnersTest : public ApiRightsTest {
   std::map<ParticipantId, std::uint64_t> samples_, times_us_;
 };
 
-TEST_F(ApiOwnersTest, NamesWhoCutEachPoint) {
+TEST_F(ApiOwnersTest, NamesTheAuthorOfEachPoint) {
   const ParticipantId ada = join(tokens[Role::kSculptor]), grace = join(tokens[Role::kSculptor]);
   groove(ada, -10);
   const std::uint64_t then = session->sequence();
@@ -68,14 +68,14 @@ TEST_F(ApiOwnersTest, NamesWhoCutEachPoint) {
   EXPECT_EQ(owners({first_, second_}), (List{grace, grace}));
 }
 
-TEST_F(ApiOwnersTest, APointWithoutNormalOrBesideTheBlockIsNobodys) {
+TEST_F(ApiOwnersTest, PointsWithoutNormalOrOffTheBlockBelongToNobody) {
   const ParticipantId ada = join(tokens[Role::kSculptor]);
   groove(ada, -10);
   EXPECT_EQ(owners({{0, 0, -10, 0, 0, 0}, {1e9F, -1e9F, 3e30F, 0, 0, 1}, first_}),
             (std::vector<ParticipantId>{0, 0, ada}));
 }
 
-TEST_F(ApiOwnersTest, RejectsWhatIsNoPoint) {
+TEST_F(ApiOwnersTest, RejectsMalformedPoints) {
   EXPECT_EQ(send({}).status, 400U);
   EXPECT_EQ(send({{0, 0, std::numeric_limits<float>::quiet_NaN(), 0, 0, 1}}).status, 400U);
   EXPECT_EQ(send({{0, 0, 0, 0, 0, std::numeric_limits<float>::infinity()}}).status, 400U);
@@ -88,7 +88,7 @@ TEST_F(ApiOwnersTest, RejectsWhatIsNoPoint) {
   EXPECT_EQ(send({first_}).status, 401U);
 }
 
-TEST_F(ApiOwnersTest, AuthorsAreKnownAfterTheyHaveLeft) {
+TEST_F(ApiOwnersTest, AuthorsAreListedAfterTheyLeave) {
   const ParticipantId id = join(tokens[Role::kSculptor]);
   const ParticipantId watcher = join(tokens[Role::kWatcher], ParticipantKind::kViewer);
   groove(id, -10);

@@ -93,7 +93,7 @@ class ApiReplay : public ApiRightsTest {
   std::uint64_t time_ms_ = 0;
 };
 
-TEST_F(ApiReplay, APageGetsTheServersStateFromSpansOfAnyLength) {
+TEST_F(ApiReplay, SpansOfAnyLengthReplayToTheServersState) {
   carve();
   const Json now = state();
   const std::uint64_t last = now.at("record");
@@ -111,7 +111,7 @@ TEST_F(ApiReplay, APageGetsTheServersStateFromSpansOfAnyLength) {
   }
 }
 
-TEST_F(ApiReplay, APageGoesToAnyRecordToTheBitAtAnySpeed) {
+TEST_F(ApiReplay, SeeksReachAnyRecordToTheBitAtAnySpeed) {
   carve();
   const Json now = state();
   const std::uint64_t last = now.at("record");
@@ -128,7 +128,7 @@ TEST_F(ApiReplay, APageGoesToAnyRecordToTheBitAtAnySpeed) {
   }
 }
 
-TEST_F(ApiReplay, APageGetsTheTilesThatHaveChangedAtOnce) {
+TEST_F(ApiReplay, ChangedTilesAreAvailableAtOnce) {
   carve();
   const Json now = state();
   const std::uint64_t last = now.at("record");
@@ -145,7 +145,7 @@ TEST_F(ApiReplay, APageGetsTheTilesThatHaveChangedAtOnce) {
   }
 }
 
-TEST_F(ApiReplay, APageGetsTheDigestsOfTheServersTiles) {
+TEST_F(ApiReplay, DigestsEqualThoseOfTheServer) {
   carve();  // with an undo and a redo
   const Json now = state();
   const std::uint64_t last = now.at("record");
@@ -166,7 +166,7 @@ TEST_F(ApiReplay, APageGetsTheDigestsOfTheServersTiles) {
             static_cast<std::size_t>(solid.grid().tiles_x() * solid.grid().tiles_y()));
 }
 
-TEST_F(ApiReplay, StoredHashesAreThoseOfTheRecordsThatTheyName) {
+TEST_F(ApiReplay, StoredHashesMatchTheirRecords) {
   for (int n = 0; n < 3; ++n) {
     carve();
     state();  // stores the hash
@@ -197,7 +197,7 @@ TEST_F(ApiReplay, StoredHashesAreThoseOfTheRecordsThatTheyName) {
   EXPECT_EQ(part.front().at("record"), second);
 }
 
-TEST_F(ApiReplay, RecordsThatComeLaterAreCarvedOn) {
+TEST_F(ApiReplay, LaterRecordsAreAppended) {
   carve();
   const Json before = state();
   JournalBlock block = made_block(before);
@@ -213,7 +213,7 @@ TEST_F(ApiReplay, RecordsThatComeLaterAreCarvedOn) {
   EXPECT_EQ(hash_text(block.hash()), now.at("state_hash"));
 }
 
-TEST_F(ApiReplay, AHandInThePageCarvesAsASessionDoes) {
+TEST_F(ApiReplay, HandCarvesInThePageLikeInASession) {
   carve();
   const Json before = state();
   const std::uint64_t last = before.at("record");
@@ -274,7 +274,7 @@ TEST_F(ApiReplay, AHandInThePageCarvesAsASessionDoes) {
   EXPECT_EQ(saved->hash(), block.hash());
 }
 
-TEST_F(ApiReplay, SamplesThatASessionRejectsAreLeftOutByAHandToo) {
+TEST_F(ApiReplay, HandRejectsTheSameSamplesAsASession) {
   carve();
   const Json now = state();
   JournalBlock block = made_block(now);
@@ -297,7 +297,7 @@ TEST_F(ApiReplay, SamplesThatASessionRejectsAreLeftOutByAHandToo) {
   EXPECT_NE(hash_text(block.hash()), now.at("state_hash")) << "the third sample is carved";
 }
 
-TEST_F(ApiReplay, WhatIsAskedForWronglyIsRejected) {
+TEST_F(ApiReplay, InvalidRequestsAreRejected) {
   carve();
   const Json now = state();
   const std::uint64_t last = now.at("record");
@@ -322,7 +322,7 @@ TEST_F(ApiReplay, WhatIsAskedForWronglyIsRejected) {
   }
 }
 
-TEST_F(ApiReplay, ADamagedSpanIsFoundBeforeItIsCarved) {
+TEST_F(ApiReplay, DamagedSpanIsDetectedBeforeItIsCarved) {
   carve();
   const Json now = state();
   const std::string whole = records(now, 1, now.at("record"));

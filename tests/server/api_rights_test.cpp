@@ -22,7 +22,7 @@ std::string target_of(const Route& route) {
   return target;
 }
 
-TEST_F(ApiRightsTest, APreviewOfALinkIsOfSessionsThatStrangersMayWatch) {
+TEST_F(ApiRightsTest, LinkPreviewsNeedAPubliclyVisibleSession) {
   options.web_folder = folder.path() / "web";
   std::filesystem::create_directory(options.web_folder);
   std::ofstream(options.web_folder / "index.html") << "<head><title>Kerf</title></head>";
@@ -83,7 +83,7 @@ TEST_F(ApiRightsTest, EveryRouteAsksTheTable) {
   check(Role::kAdministrator, "");
 }
 
-TEST_F(ApiRightsTest, RoutesWithoutATokenAreThoseOfTheTable) {
+TEST_F(ApiRightsTest, RoutesWithoutATokenMatchTheTable) {
   std::set<std::string> reachable;
   for (const Route& route : api->routes().all()) {
     if (may(Role::kNobody, route.action)) reachable.insert(std::string(route.pattern));
@@ -92,7 +92,7 @@ TEST_F(ApiRightsTest, RoutesWithoutATokenAreThoseOfTheTable) {
             (std::set<std::string>{"/healthz", "/readyz", "/v1/sessions/{id}/join", "/{file...}"}));
 }
 
-TEST_F(ApiRightsTest, UploadsFromAnotherNetworkDoNotDeleteOnesOwn) {
+TEST_F(ApiRightsTest, UploadsDoNotDeleteFilesOfOtherNetworks) {
   const auto upload = [&](const std::string& network, int n) {
     ApiRequest request = *parse_target("/v1/files?name=Part.OBJ");
     request.method = "POST";
@@ -127,7 +127,7 @@ TEST_F(ApiRightsTest, AStrangerLearnsNothingOfTheSessions) {
   EXPECT_EQ(ask("GET", "/v1/sessions/other", kAdmin).status, 404U);
 }
 
-TEST_F(ApiRightsTest, AListNamesTheOwnSession) {
+TEST_F(ApiRightsTest, ListsContainTheCallersSessionOnly) {
   ASSERT_TRUE(registry->create("other", kScene, SceneSource{}));
   EXPECT_EQ(made("GET", "/v1/sessions", kAdmin).at("sessions").size(), 2U);
   const Json own = made("GET", "/v1/sessions", tokens[Role::kWatcher]).at("sessions");
@@ -189,7 +189,7 @@ TEST_F(ApiRightsTest, AdministratorsBranchSessions) {
   made("POST", "/v1/sessions?from=other", kAdmin, 201);
 }
 
-TEST_F(ApiRightsTest, InvitationsAreMadeListedAndRevoked) {
+TEST_F(ApiRightsTest, InvitationsAreCreatedListedAndRevoked) {
   const Json made_one = made("POST", "/v1/sessions/block/invitations?role=sculptor&hours=2",
                              tokens[Role::kOwner], 201);
   const std::string token = made_one.at("token"), id = made_one.at("id");
@@ -235,7 +235,7 @@ TEST_F(ApiRightsTest, AnInvitationIsExchangedForAPassInACookie) {
   EXPECT_TRUE(api->handle(over_tls).headers.at(0).second.contains("; Secure"));
 }
 
-TEST_F(ApiRightsTest, ALinkThatIsOpenedAgainGivesTheSamePass) {
+TEST_F(ApiRightsTest, ReopenedLinkGivesTheSamePass) {
   ApiRequest request = *parse_target("/v1/sessions/block/join?name=Grace");
   request.method = "POST";
   request.token = invite("role=sculptor");
@@ -249,7 +249,7 @@ TEST_F(ApiRightsTest, ALinkThatIsOpenedAgainGivesTheSamePass) {
   EXPECT_EQ(api->handle(request).status, 201U);
 }
 
-TEST_F(ApiRightsTest, APersonThatIsRemovedDoesNotComeBack) {
+TEST_F(ApiRightsTest, RemovedPersonCannotReturn) {
   const std::string ada = invite("role=sculptor&name=Ada");
   const ParticipantId id = join(ada), again = join(ada);
   std::vector<ParticipantId> removed;
@@ -264,7 +264,7 @@ TEST_F(ApiRightsTest, APersonThatIsRemovedDoesNotComeBack) {
   EXPECT_EQ(ask("DELETE", "/v1/sessions/block/participants/99", kAdmin).status, 404U);
 }
 
-TEST_F(ApiRightsTest, AMuteLastsForAPerson) {
+TEST_F(ApiRightsTest, MuteFollowsThePerson) {
   const std::string ada = invite("role=sculptor&name=Ada");
   const std::string target = "/v1/sessions/block/participants/" + std::to_string(join(ada));
   made("POST", target + "?muted=1", tokens[Role::kOwner]);
@@ -275,7 +275,7 @@ TEST_F(ApiRightsTest, AMuteLastsForAPerson) {
   made("POST", target + "?muted=perhaps", tokens[Role::kOwner], 400);
 }
 
-TEST_F(ApiRightsTest, OwnershipIsHandedOverBetweenPersons) {
+TEST_F(ApiRightsTest, OwnershipIsTransferredBetweenPeople) {
   const std::string ada = invite("role=owner&name=Ada"), grace = invite("role=sculptor&name=Grace");
   const ParticipantId owner = join(ada), heir = join(grace);
   const ParticipantId passer = join(tokens[Role::kSculptor]);
@@ -333,7 +333,7 @@ TEST_F(ApiRightsTest, AForwardedRequestNeedsRights) {
   EXPECT_EQ(api->handle(request).status, 200U);
 }
 
-TEST_F(ApiRightsTest, AClosedSessionTakesItsGrantsWithIt) {
+TEST_F(ApiRightsTest, ClosingASessionDeletesItsGrants) {
   const std::string owner = tokens[Role::kOwner];
   EXPECT_EQ(ask("DELETE", "/v1/sessions/block?purge=1", tokens[Role::kSculptor]).status, 403U);
   made("DELETE", "/v1/sessions/block?purge=1", owner);
@@ -341,7 +341,7 @@ TEST_F(ApiRightsTest, AClosedSessionTakesItsGrantsWithIt) {
   EXPECT_EQ(ask("GET", "/v1/sessions/block", owner).status, 401U);
 }
 
-TEST(Cookies, ThePassIsFoundAmongOthers) {
+TEST(Cookies, PassIsFoundAmongOtherCookies) {
   EXPECT_EQ(pass_of_cookies("a=b; kerf_pass=kerf_1_2; c=d"), "kerf_1_2");
   EXPECT_EQ(pass_of_cookies("kerf_pass=x"), "x");
   EXPECT_EQ(pass_of_cookies("xkerf_pass=x; ="), "");

@@ -69,7 +69,7 @@ class ApiTargetsTest : public ApiRightsTest {
   const std::string part_ = box_stl({-20, -20, -20}, {20, 20, -0.5});
 };
 
-TEST_F(ApiTargetsTest, APartOfAnotherUnitIsAskedForIt) {
+TEST_F(ApiTargetsTest, DoubtfulUnitsRaiseAQuestion) {
   const std::string metres = box_stl({-0.02, -0.02, -0.02}, {0.02, 0.02, 0});
   const Json asked = Json::parse(send("?name=part.stl", metres).body);
   const Json& choices = asked.at("questions").at(0).at("choices");
@@ -86,7 +86,7 @@ TEST_F(ApiTargetsTest, APartOfAnotherUnitIsAskedForIt) {
   EXPECT_EQ(code_of(send("?name=part.stl&unit=mile", metres)), "bad_unit");
 }
 
-TEST_F(ApiTargetsTest, AModelThatWasTakenHomeCanBeBroughtBack) {
+TEST_F(ApiTargetsTest, DownloadedModelCanBeUploadedAsATarget) {
   for (const std::string file : {"model.stl", "model.obj?shift_mm=100,0,0", "model.ply?error_mm=0",
                                  "model.stl?encoding=ascii&error_mm=0.1"}) {
     const ApiResponse model = ask("GET", "/v1/sessions/block/" + file, tokens[Role::kWatcher]);
@@ -108,7 +108,7 @@ TEST_F(ApiTargetsTest, AModelThatWasTakenHomeCanBeBroughtBack) {
   }
 }
 
-TEST_F(ApiTargetsTest, AModelThatIsShiftedFarAwaySaysWhatItLoses) {
+TEST_F(ApiTargetsTest, FarShiftedModelReportsCollapsedTriangles) {
   const ApiResponse model =
       ask("GET", "/v1/sessions/block/model.stl?shift_mm=990000,0,0", tokens[Role::kWatcher]);
   ASSERT_EQ(model.status, 200U);
@@ -121,7 +121,7 @@ TEST_F(ApiTargetsTest, AModelThatIsShiftedFarAwaySaysWhatItLoses) {
   FAIL() << "no header";
 }
 
-TEST_F(ApiTargetsTest, SculptorsSetAndRemoveWhatWatchersSee) {
+TEST_F(ApiTargetsTest, SculptorsSetAndRemoveTargetsForWatchers) {
   Json set = Json::parse(send("?name=part.stl&shift_mm=1,0,0", part_).body);
   EXPECT_EQ(set.at("name"), "part.stl");
   EXPECT_EQ(set.at("triangles"), 12);
@@ -140,7 +140,7 @@ TEST_F(ApiTargetsTest, SculptorsSetAndRemoveWhatWatchersSee) {
   EXPECT_TRUE(made("GET", kTargets, tokens[Role::kWatcher]).at("targets").empty());
 }
 
-TEST_F(ApiTargetsTest, ArePutBesideEachOtherUpToTheLimitAndReplacedByName) {
+TEST_F(ApiTargetsTest, AreLimitedInNumberAndReplacedByName) {
   for (std::size_t n = 0; n < TargetParts::kPartsOfSession; ++n) {
     EXPECT_EQ(send("?name=" + std::to_string(n) + ".stl", part_).status, 201U);
   }
@@ -151,7 +151,7 @@ TEST_F(ApiTargetsTest, ArePutBesideEachOtherUpToTheLimitAndReplacedByName) {
   EXPECT_EQ(list[3].at("max_mm"), Json({1, 1, 1}));
 }
 
-TEST_F(ApiTargetsTest, RejectFilesAndNamesThatAreNone) {
+TEST_F(ApiTargetsTest, RejectMalformedFilesAndNames) {
   EXPECT_EQ(code_of(send("", part_)), "bad_name");
   EXPECT_EQ(code_of(send("?name=part.step", part_)), "bad_name");
   EXPECT_EQ(code_of(send("?name=" + std::string(65, 'x') + ".stl", part_)), "bad_name");
@@ -164,7 +164,7 @@ TEST_F(ApiTargetsTest, RejectFilesAndNamesThatAreNone) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "part.stl"));
 }
 
-TEST_F(ApiTargetsTest, SayWhatIsOpen) {
+TEST_F(ApiTargetsTest, ReportOpenMeshes) {
   const Json set = Json::parse(send("?name=open.stl", box_stl({0, 0, 0}, {1, 1, 1}, 1)).body);
   EXPECT_NE(set.at("fault"), "");
 }
@@ -191,7 +191,7 @@ TEST_F(ApiTargetsTest, DistancesNeedPoints) {
   EXPECT_EQ(code_of(send("/other.stl/distances", std::string(12, '\0'))), "unknown_target");
 }
 
-TEST_F(ApiTargetsTest, TheDeviationIsThatOfTheBlockAtAPoint) {
+TEST_F(ApiTargetsTest, DeviationIsMeasuredAtAPointInTime) {
   send("?name=part.stl", part_);
   const std::string deviation = kTargets + "/part.stl/deviation";
   const ApiResponse response = ask("GET", deviation, tokens[Role::kWatcher]);
@@ -226,7 +226,7 @@ TEST_F(ApiTargetsTest, TheDeviationIsThatOfTheBlockAtAPoint) {
   EXPECT_EQ(api->handle(missing).status, 404U);
 }
 
-TEST_F(ApiTargetsTest, OutlastTheServerAndEndWithTheSession) {
+TEST_F(ApiTargetsTest, SurviveARestartAndEndWithTheSession) {
   send("?name=part.stl&shift_mm=0,0,0.5", part_);
   open(kAdmin, false);  // as after a restart
   EXPECT_EQ(made("GET", kTargets, tokens[Role::kWatcher]).at("targets").size(), 1U);
@@ -300,7 +300,7 @@ TEST_F(ProgramTargets, WithinTheToleranceThereIsNoAlarm) {
   EXPECT_EQ(json.at("alarm_count"), 0);
 }
 
-TEST_F(ProgramTargets, AreThoseOfTheSessionWithAToleranceAboveZero) {
+TEST_F(ProgramTargets, NeedAPartOfTheSessionAndAPositiveTolerance) {
   send("?name=part.stl", part_);
   EXPECT_EQ(code_of(start("&target=other.stl", deep())), "unknown_target");
   EXPECT_EQ(code_of(start("&target=part.stl&target_tolerance_mm=0", deep())), "bad_value");

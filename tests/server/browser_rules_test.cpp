@@ -40,7 +40,7 @@ TEST(BrowserRules, AddressesAndLocalhostAreAllowedAsHosts) {
   }
 }
 
-TEST(BrowserRules, OtherNamesAreNot) {
+TEST(BrowserRules, OtherNamesAreRejectedAsHosts) {
   const HttpOptions plain;
   for (const char* host :
        {"evil.example", "evil.example:8080", "localhost.evil.example", "127.0.0.1.evil.example",
@@ -73,7 +73,7 @@ TEST(BrowserRules, AnOriginThatEqualsAForeignHostIsNotAllowed) {
   }
 }
 
-TEST(BrowserRules, ThePageMayLoadWhatItNeedsFromItsOwnServerOnly) {
+TEST(BrowserRules, PageLoadsFromItsOwnServerOnly) {
   ApiResponse page;
   page.content_type = "text/html; charset=utf-8";
   add_browser_headers({"localhost:8080", ""}, {}, page);
@@ -90,7 +90,7 @@ TEST(BrowserRules, ThePageMayLoadWhatItNeedsFromItsOwnServerOnly) {
   EXPECT_EQ(header(data, "Content-Security-Policy"), "default-src 'none'; frame-ancestors 'none'");
 }
 
-TEST(BrowserRules, BrowsersStayWithTlsButForLocalhost) {
+TEST(BrowserRules, TlsIsStickyExceptForLocalhost) {
   const auto transport = [](std::string_view host, bool is_secure) {
     ApiResponse page;
     add_browser_headers({.host = host, .origin = "", .is_secure = is_secure}, {}, page);
@@ -130,7 +130,7 @@ TEST(BrowserRules, PagesOfTheClusterMayUseThisServerWithTheirPass) {
   EXPECT_EQ(with_pass("http://10.0.0.3:8080"), "");
 }
 
-TEST(BrowserRules, AScriptMayHaveWebAssemblyWhereAWorkerRunsIt) {
+TEST(BrowserRules, WorkersMayRunWebAssembly) {
   ApiResponse script;
   script.content_type = "text/javascript; charset=utf-8";
   add_browser_headers({"localhost:8080", ""}, {}, script);
@@ -138,7 +138,7 @@ TEST(BrowserRules, AScriptMayHaveWebAssemblyWhereAWorkerRunsIt) {
             "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; frame-ancestors 'none'");
 }
 
-TEST(BrowserRules, NamedSitesMayFrameTheEmbeddedPageAndNothingElse) {
+TEST(BrowserRules, NamedSitesMayFrameTheEmbeddedPageOnly) {
   HttpOptions options;
   const auto frames = [&](std::string_view target, const char* type = "text/html") {
     ApiResponse response;

@@ -27,7 +27,7 @@ Sculpture block(Rays rays = Rays::kDexel) {
   return sculpture;
 }
 
-TEST(ChangedColumns, AreTheRectangleThatACutHasReached) {
+TEST(ChangedColumns, AreTheRectangleReachedByACut) {
   Sculpture sculpture = block();
   cut(sculpture, {40, 40, 6});  // the middle of tile (2, 2), which is stored from now on
   const SolidSnapshot before = sculpture.solid();
@@ -45,7 +45,7 @@ TEST(ChangedColumns, AreTheRectangleThatACutHasReached) {
   EXPECT_LE(changed[0].end_y, 21);
 }
 
-TEST(ChangedColumns, AreAllOfATileThatIsNewOrHasThreeFields) {
+TEST(ChangedColumns, CoverNewTilesAndTilesOfThreeFields) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     Sculpture sculpture = block(rays);
     if (rays == Rays::kTriDexel) cut(sculpture, {36, 40, 6});

@@ -56,7 +56,7 @@ class ClosedMeanwhile : public testing::Test {
   std::optional<Api> api_;
 };
 
-TEST_F(ClosedMeanwhile, AJournalThatIsBeingCreatedUnderTheSameIdIsNoFault) {
+TEST_F(ClosedMeanwhile, JournalCreatedUnderTheSameIdIsNotAnError) {
   executor_->before = [&] {
     purge();
     begin_journal();
@@ -82,7 +82,7 @@ TEST_F(ClosedMeanwhile, NothingIsReadFromTheJournalOfTheNextSession) {
   EXPECT_NE(created(), first);
 }
 
-TEST_F(ClosedMeanwhile, AChangeThatFailsWithItsSessionIsNoFault) {
+TEST_F(ClosedMeanwhile, ChangeThatFailsWithItsSessionIsNotAServerError) {
   executor_->before = [&] {
     purge();
     begin_journal();

@@ -36,7 +36,7 @@ std::map<TileIndex, std::uint64_t> digests_of(const SolidSnapshot& solid) {
 
 class ColumnDigest : public testing::TestWithParam<Rays> {};
 
-TEST_P(ColumnDigest, IsEqualForEqualTilesWhereverTheyAre) {
+TEST_P(ColumnDigest, DependsOnContentsNotOnPosition) {
   Sculpture sculpture = block_of(GetParam());
   const auto digests = digests_of(sculpture.solid());
   EXPECT_EQ(digests.at({1, 1}), digests.at({2, 3}));
@@ -91,7 +91,7 @@ class Screen {
   std::map<TileIndex, std::uint64_t> digests_;
 };
 
-TEST_P(ColumnDigest, OfEachTileThatAViewerHasIsThatOfTheBlock) {
+TEST_P(ColumnDigest, ViewersTilesHaveTheBlocksDigests) {
   Sculpture sculpture = block_of(GetParam());
   test::RandomCarver carver(sculpture, kBlock.min_mm, kBlock.max_mm, 9);
   TileFeed feed(sculpture.solid(), 0);

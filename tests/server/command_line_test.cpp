@@ -63,7 +63,7 @@ class CommandLineTest : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(CommandLineTest, OptionsMayStandInAFileAndInTheEnvironment) {
+TEST_F(CommandLineTest, OptionsComeFromFileAndEnvironment) {
   const auto file =
       read({}, "listen = \"127.0.0.2:0\"\nlog-format = \"json\"\nallow-host = [\"a.example\"]\n");
   ASSERT_TRUE(file.line) << file.said;
@@ -72,20 +72,20 @@ TEST_F(CommandLineTest, OptionsMayStandInAFileAndInTheEnvironment) {
   EXPECT_EQ(read({}, "", {{"KERF_LISTEN", "127.0.0.3:0"}}).address(), "127.0.0.3");
 }
 
-TEST_F(CommandLineTest, WordsCountBeforeTheFileAndTheFileBeforeTheEnvironment) {
+TEST_F(CommandLineTest, CommandLineOverridesFileOverridesEnvironment) {
   const std::string text = "listen = \"127.0.0.2:0\"\n";
   const std::map<std::string, std::string> environment = {{"KERF_LISTEN", "127.0.0.3:0"}};
   EXPECT_EQ(read({}, text, environment).address(), "127.0.0.2");
   EXPECT_EQ(read({"--listen", "127.0.0.4:0"}, text, environment).address(), "127.0.0.4");
 }
 
-TEST_F(CommandLineTest, AListInTheEnvironmentIsSeparatedByCommasOrSpaces) {
+TEST_F(CommandLineTest, EnvironmentListsAreSeparatedByCommasOrSpaces) {
   const std::map<std::string, std::string> environment = {{"KERF_SCENE", "one, two  three"}};
   EXPECT_THAT(read({}, "", environment).line.value().scenes, ElementsAre("one", "two", "three"));
   EXPECT_THAT(read({"--scene", "four"}, "", environment).line.value().scenes, ElementsAre("four"));
 }
 
-TEST_F(CommandLineTest, WhatWouldHaveNoEffectOrAnotherOneIsAnError) {
+TEST_F(CommandLineTest, IneffectiveOptionsAreErrors) {
   const std::pair<const char*, const char*> wrong[] = {{"--allow-origin", "kerf.example"},
                                                        {"--allow-origin", "https://kerf.example/"},
                                                        {"--allow-origin", "null"},
@@ -123,7 +123,7 @@ TEST_F(CommandLineTest, WhatWouldHaveNoEffectOrAnotherOneIsAnError) {
   EXPECT_EQ(read({"--disk-reserve", "1e3"}).line.value().server.disk.reserve, 1'000'000'000U);
 }
 
-TEST_F(CommandLineTest, AnUnknownOptionSaysWhatToDo) {
+TEST_F(CommandLineTest, UnknownOptionErrorNamesTheRemedy) {
   EXPECT_TRUE(read({"--lisen", "127.0.0.2:0"}).said.ends_with("--help lists the options\n"));
   const auto outcome = read({}, "lisen = \"127.0.0.2:0\"\n");
   EXPECT_EQ(outcome.status, 2);
@@ -169,7 +169,7 @@ TEST_F(CommandLineTest, TheNamesOfThisMachineAreAllowedAsHosts) {
   EXPECT_THAT(read({}).line.value().server.http.allow_hosts, ElementsAre(own, own + ".local"));
 }
 
-TEST_F(CommandLineTest, TheAdministratorsTokenStandsInTheEnvironmentAndIsNotLeftThere) {
+TEST_F(CommandLineTest, AdministratorsTokenIsRemovedFromTheEnvironment) {
   const std::string token(32, 'x');
   EXPECT_EQ(read({}, "", {{"KERF_ADMIN_TOKEN", token}}).line.value().server.admin_token, token);
   EXPECT_EQ(read({}).line.value().server.admin_token, "");

@@ -20,7 +20,7 @@ std::string fault(std::string_view text) {
   return found ? std::to_string(found->line) + ": " + found->reason : "none";
 }
 
-TEST(ConfigTypes, ValuesOfTheirTypesAreTaken) {
+TEST(ConfigTypes, ValidValuesAreAccepted) {
   EXPECT_EQ(fault(""), "none");
   EXPECT_EQ(fault("# comment\n\n; comment\nopen = true\nopen=false # why\n"), "none");
   EXPECT_EQ(fault("disk = 5\ndisk = -2.5e3\n\tdisk\t=\t0 # MB\r\n"), "none");
@@ -47,7 +47,7 @@ TEST(ConfigTypes, AFaultNamesItsLineItsKeyAndTheType) {
             "1: hosts must be a list of texts, with commas between them");
 }
 
-TEST(ConfigTypes, WhatTheParserWouldReadOtherwiseIsAFault) {
+TEST(ConfigTypes, AmbiguousValuesAreFaults) {
   EXPECT_EQ(fault("listen = \"a"), "1: listen has quotes that are not closed");
   EXPECT_EQ(fault("listen = \"a\" b"), "1: listen has something behind its value");
   EXPECT_EQ(fault("listen = \"a#b\""),

@@ -138,13 +138,13 @@ TEST(HeldCut, ForcesOfSpeedEndWithIt) {
   EXPECT_EQ(RestingBall(ForceLaw::kMechanistic).after_rest().force_n.x, 0);
 }
 
-TEST(HeldCut, EndsWhereTheToolTouchesWithoutCutting) {
+TEST(HeldCut, EndsWhenTheToolTouchesWithoutCutting) {
   RestingBall ball(ForceLaw::kSpecificEnergy);
   ball.after(ToolTrack::Touch{1, ball.at, 0.001});
   EXPECT_EQ(ball.after_rest().force_n.x, 0);
 }
 
-TEST(HeldCut, IsOfTheToolAndPoseOfTheNewestMotionOnly) {
+TEST(HeldCut, AppliesToTheNewestToolAndPoseOnly) {
   RestingBall ball(ForceLaw::kSpecificEnergy);
   EXPECT_EQ(ball.after_rest({5, 0, 1}).force_n.x, 0) << "as after a motion that was rejected";
   EXPECT_TRUE(ball.block.apply(DefineTool{2, make_tool(BallShape{6, 10}).value()}));

@@ -15,7 +15,7 @@ void write_file(const std::filesystem::path& file, std::size_t bytes) {
   std::ofstream(file, std::ios::binary) << std::string(bytes, 'x');
 }
 
-TEST(DiskLimits, TheFolderAndASessionAreMeasuredWithAllTheirFiles) {
+TEST(DiskLimits, MeasuresAllFilesOfFolderAndSession) {
   const test::TemporaryFolder folder;
   write_file(folder / "a.kerf", 1000);
   write_file(folder / "a.kerf-wal", 200);
@@ -28,7 +28,7 @@ TEST(DiskLimits, TheFolderAndASessionAreMeasuredWithAllTheirFiles) {
   EXPECT_EQ(measure_disk(folder / "missing").folder, 0U);
 }
 
-TEST(DiskLimits, WhatIsFullStaysFullUntilItIsNotEvenLow) {
+TEST(DiskLimits, FullLevelPersistsUntilFine) {
   using enum DiskLevel;
   EXPECT_EQ(disk_level(0, kFine), kFine);
   EXPECT_EQ(disk_level(0.89, kLow), kFine);
@@ -38,14 +38,14 @@ TEST(DiskLimits, WhatIsFullStaysFullUntilItIsNotEvenLow) {
   EXPECT_EQ(disk_level(0.89, kFull), kFine);
 }
 
-TEST(DiskLimits, TheGreaterShareCountsAndZeroIsNoLimit) {
+TEST(DiskLimits, GreaterShareCountsAndZeroMeansNoLimit) {
   EXPECT_EQ(shared_share({1000, 0}, {}), 0);
   EXPECT_EQ(shared_share({50, 1000}, {.folder = 100, .reserve = 100}), 0.5);
   EXPECT_EQ(shared_share({50, 125}, {.folder = 100, .reserve = 100}), 0.8);
   EXPECT_GE(shared_share({50, 0}, {.folder = 100, .reserve = 100}), 1);
 }
 
-TEST(DiskLimits, DownloadsLeaveTwiceTheReserveToTheSessions) {
+TEST(DiskLimits, DownloadsLeaveTwiceTheReserve) {
   EXPECT_EQ(needed_for_sessions({0, 200}, {.reserve = 100}), std::nullopt);
   const auto needed = needed_for_sessions({0, 199'000'000}, {.reserve = 100'000'000});
   ASSERT_TRUE(needed);
@@ -72,7 +72,7 @@ class SessionDisk : public SessionTest {
   std::vector<std::string> reports;
 };
 
-TEST_F(SessionDisk, ASessionPausesAtItsLimitAndEverythingAcceptedIsCommitted) {
+TEST_F(SessionDisk, SessionPausesAtItsLimitAndCommitsAcceptedRecords) {
   auto session = start();
   carve_circle(*session, join(*session));
   ASSERT_TRUE(session->flush());
@@ -102,7 +102,7 @@ TEST_F(SessionDisk, ASessionPausesAtItsLimitAndEverythingAcceptedIsCommitted) {
   EXPECT_NE(replayed->hash.hash, hash);
 }
 
-TEST_F(SessionDisk, AnAgentResumesInASessionThatALimitHasPaused) {
+TEST_F(SessionDisk, AgentResumesInASessionPausedByALimit) {
   limit({.session = 1});
   const auto session = start();
   JoinRequest request{.kind = ParticipantKind::kAgent, .name = "Ada", .color = "", .durable = true};
@@ -118,7 +118,7 @@ TEST_F(SessionDisk, AnAgentResumesInASessionThatALimitHasPaused) {
   EXPECT_TRUE(resumed->resumed);
 }
 
-TEST_F(SessionDisk, ALimitOfAllSessionsIsNamedAlsoWhereASessionHasReachedItsOwn) {
+TEST_F(SessionDisk, SharedLimitIsNamedEvenAtASessionsOwnLimit) {
   limit({.session = 1, .folder = 1'000'000});
   const auto session = start();
   registry->keep_disk_limits();
@@ -131,7 +131,7 @@ TEST_F(SessionDisk, ALimitOfAllSessionsIsNamedAlsoWhereASessionHasReachedItsOwn)
   EXPECT_EQ(session->pause()->code, JournalErrorCode::kSessionLimit);
 }
 
-TEST_F(SessionDisk, AFullFolderPausesEverySessionAndTakesNoNewOneUntilThereIsSpace) {
+TEST_F(SessionDisk, FullFolderPausesAllSessionsAndRejectsNewOnes) {
   limit({.folder = 1'000'000});
   const auto session = start();
   const auto id = join(*session);
@@ -151,7 +151,7 @@ TEST_F(SessionDisk, AFullFolderPausesEverySessionAndTakesNoNewOneUntilThereIsSpa
   EXPECT_EQ(reports, (std::vector<std::string>{"disk_limit", "continues"}));
 }
 
-TEST_F(SessionDisk, TheReserveIsKeptFree) {
+TEST_F(SessionDisk, ReserveStaysFree) {
   limit({.reserve = ~std::uintmax_t{0} / 2});
   const auto refused = registry->create("block", kScene, SceneSource{});
   ASSERT_FALSE(refused);

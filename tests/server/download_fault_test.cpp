@@ -21,7 +21,7 @@ class DownloadFault : public ApiRightsTest {
   test::FaultyDisk disk;
 };
 
-TEST_F(DownloadFault, IsAnswered503AndTheNextRequestSucceeds) {
+TEST_F(DownloadFault, GetsA503AndTheNextRequestSucceeds) {
   for (const DiskFault fault : {DiskFault::kNoSpace, DiskFault::kIoError}) {
     disk.fail({fault, test::FaultTarget::kAll, 0});
     const ApiResponse failed = ask("GET", "/v1/sessions/block/journal", kAdmin);

@@ -90,7 +90,7 @@ class DownloadCacheTest : public ::testing::Test {
   std::atomic<bool> hold_ = false, begun_ = false;
 };
 
-TEST_F(DownloadCacheTest, DeletesOnlyTheFilesThatACrashHasLeft) {
+TEST_F(DownloadCacheTest, DeletesOnlyLeftoversOfACrash) {
   const auto folder = folder_.path() / "downloads";
   std::filesystem::create_directories(folder / "12");
   for (const char* name : {"7", "notes.txt", "12/3"}) std::ofstream(folder / name) << "text";
@@ -126,7 +126,7 @@ TEST_F(DownloadCacheTest, RequestsForAFileBeingWrittenWaitForIt) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path() / "downloads"));
 }
 
-TEST_F(DownloadCacheTest, AFileIsNoLongerMadeOnceNobodyWaitsForIt) {
+TEST_F(DownloadCacheTest, WritingStopsOnceNobodyWaits) {
   DownloadCache cache(folder_.path() / "downloads");
   hold_ = true;
   std::stop_source one_gone, two_gone;
@@ -147,7 +147,7 @@ TEST_F(DownloadCacheTest, AFileIsNoLongerMadeOnceNobodyWaitsForIt) {
   EXPECT_TRUE(cache.get("s/a", maker())) << "it can be requested again";
 }
 
-TEST_F(DownloadCacheTest, ARequestThatWaitsForAnotherOnesFileEndsWithItsClient) {
+TEST_F(DownloadCacheTest, WaitingRequestEndsWithItsClient) {
   DownloadCache cache(folder_.path() / "downloads");
   hold_ = true;
   std::stop_source gone;
@@ -165,7 +165,7 @@ TEST_F(DownloadCacheTest, ARequestThatWaitsForAnotherOnesFileEndsWithItsClient) 
   EXPECT_TRUE(first);
 }
 
-TEST_F(DownloadCacheTest, StoppingEndsWhatIsBeingMade) {
+TEST_F(DownloadCacheTest, StopEndsWriters) {
   DownloadCache cache(folder_.path() / "downloads");
   hold_ = true;
   DownloadCache::File file;
@@ -180,7 +180,7 @@ TEST_F(DownloadCacheTest, StoppingEndsWhatIsBeingMade) {
   EXPECT_EQ(made_, made);
 }
 
-TEST_F(DownloadCacheTest, NoFileIsKeptOrMadeWhereTheDiskIsNeeded) {
+TEST_F(DownloadCacheTest, NoFileIsKeptOrMadeWhenTheDiskIsNeeded) {
   DownloadCache cache(folder_.path() / "downloads");
   auto kept = cache.get("s/a", maker());
   ASSERT_TRUE(kept);

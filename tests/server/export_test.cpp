@@ -46,7 +46,7 @@ class ExportOfRests : public SessionExport {
   ParticipantId ada_ = 0;
 };
 
-TEST_F(ExportOfRests, AToolThatOnlyRestsInTheStockLeavesItsImprint) {
+TEST_F(ExportOfRests, RestingToolLeavesItsImprint) {
   move(ada_, {0, 0, -3}, false);
   rest({0, 0, -3}, 1);
   move(ada_, {0, 0, 10}, false);
@@ -54,7 +54,7 @@ TEST_F(ExportOfRests, AToolThatOnlyRestsInTheStockLeavesItsImprint) {
   expect_equal_exports();
 }
 
-TEST_F(ExportOfRests, ALargerToolThatIsTakenWithinItsSlotLeavesItsImprint) {
+TEST_F(ExportOfRests, LargerToolInASlotLeavesItsImprint) {
   stroke(ada_, {-10, 0, -3}, {10, 0, -3});
   move(ada_, {0, 0, -3}, false);
   const double before_mm3 = session_->info().removed_mm3;
@@ -63,7 +63,7 @@ TEST_F(ExportOfRests, ALargerToolThatIsTakenWithinItsSlotLeavesItsImprint) {
   expect_equal_exports();
 }
 
-TEST_F(ExportOfRests, ARestAfterWhichTheStrokeBeforeItIsUndoneKeepsItsImprint) {
+TEST_F(ExportOfRests, RestKeepsItsImprintWhenTheStrokeBeforeIsUndone) {
   const StrokeId slot = stroke(ada_, {-10, 0, -3}, {0, 0, -3});
   move(ada_, {0, 0, -3}, false);
   rest({0, 0, -3}, 1);
@@ -94,7 +94,7 @@ TEST_F(ExportOfRests, DwellsOfAProgramAreKept) {
   expect_equal_exports();
 }
 
-TEST_F(SessionExport, AnExportWhileStrokesAreUndoneIsABlockThatHasBeen) {
+TEST_F(SessionExport, ConcurrentUndoLeavesAConsistentExport) {
   create();
   const ParticipantId ada = join("Ada");
   std::atomic<bool> ends = false;

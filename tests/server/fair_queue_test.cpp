@@ -41,7 +41,7 @@ TEST_F(FairQueueTest, ClientsTakeTurns) {
   EXPECT_EQ(ran, (Names{"a", "a", "b", "c", "a", "b", "a"}));
 }
 
-TEST_F(FairQueueTest, AClientThatComesAgainWaitsBehindThoseThatWait) {
+TEST_F(FairQueueTest, ReturningClientQueuesBehindWaitingOnes) {
   FairQueue queue(executor, 1);
   for (const char* client : {"a", "b", "c"}) post(queue, client);
   executor.run_one();
@@ -50,7 +50,7 @@ TEST_F(FairQueueTest, AClientThatComesAgainWaitsBehindThoseThatWait) {
   EXPECT_EQ(ran, (Names{"a", "b", "c", "a"}));
 }
 
-TEST_F(FairQueueTest, OneClientLeavesAThreadToOthers) {
+TEST_F(FairQueueTest, OneClientLeavesAThreadFree) {
   FairQueue queue(executor, 3);
   for (int n = 0; n < 10; ++n) post(queue, "greedy");
   EXPECT_EQ(executor.waiting(), 2U);
@@ -61,7 +61,7 @@ TEST_F(FairQueueTest, OneClientLeavesAThreadToOthers) {
   EXPECT_EQ(ran.size(), 11U);
 }
 
-TEST_F(FairQueueTest, WhoHasNothingRunningComesBeforeWhoHas) {
+TEST_F(FairQueueTest, IdleClientsGoFirst) {
   FairQueue queue(executor, 3);
   for (int n = 0; n < 3; ++n) post(queue, "a");
   for (int n = 0; n < 3; ++n) post(queue, "b");
@@ -95,7 +95,7 @@ TEST_F(FairQueueTest, AStopLeavesAJobThatHasBegun) {
   EXPECT_TRUE(dropped.empty());
 }
 
-TEST_F(FairQueueTest, AJobThatIsPostedAfterItsStopIsDropped) {
+TEST_F(FairQueueTest, StoppedJobIsDroppedWhenPosted) {
   FairQueue queue(executor, 1);
   std::stop_source stop;
   stop.request_stop();
@@ -115,7 +115,7 @@ TEST_F(FairQueueTest, WaitingJobsEndWithTheQueue) {
   EXPECT_TRUE(dropped.empty());
 }
 
-TEST_F(FairQueueTest, AnExceptionDoesNotKeepTheTurn) {
+TEST_F(FairQueueTest, ExceptionReleasesTheTurn) {
   FairQueue queue(executor, 1);
   queue.post({.client = "a",
               .work = [] { throw std::runtime_error("thrown by a test"); },
@@ -192,7 +192,7 @@ class Arrivals {
   std::size_t total_ = 0;
 };
 
-TEST(FairQueueProperty, NobodyWaitsForMoreThanOneJobOfEachOther) {
+TEST(FairQueueProperty, NobodyWaitsForMoreThanOneJobOfEachOtherClient) {
   for (std::uint32_t seed = 0; seed < 500; ++seed) {
     Arrivals(seed).run();
     ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;

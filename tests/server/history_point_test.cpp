@@ -45,7 +45,7 @@ TEST(HistoryPoint, IsARecordATimeOrAName) {
 
 using JournalTimes = SessionUndo;
 
-TEST_F(JournalTimes, TheRecordOfATimeIsTheLastOneUntilThen) {
+TEST_F(JournalTimes, RecordAtATimeIsTheLastOneBefore) {
   create();
   const ParticipantId ada = join("Ada");
   for (int n = 0; n < 5; ++n) {
@@ -94,7 +94,7 @@ class ForcePlots : public SessionUndo {
   }
 };
 
-TEST_F(ForcePlots, HoldTheExtremesAndMeansOfForcesCsv) {
+TEST_F(ForcePlots, HaveTheExtremesAndMeansOfForcesCsv) {
   create();
   const ParticipantId ada = join("Ada"), bo = join("Bo");
   stroke(ada, {-15, 0, -2}, {15, 0, -2});
@@ -142,7 +142,7 @@ TEST_F(ForcePlots, HoldTheExtremesAndMeansOfForcesCsv) {
   }
 }
 
-TEST_F(ForcePlots, AreOfASpanAndOfOneParticipant) {
+TEST_F(ForcePlots, SelectSpanAndParticipant) {
   create();
   const ParticipantId ada = join("Ada"), bo = join("Bo");
   stroke(ada, {-15, 0, -2}, {15, 0, -2});
@@ -163,7 +163,7 @@ TEST_F(ForcePlots, AreOfASpanAndOfOneParticipant) {
   EXPECT_EQ(plot({.first = to + 1000})["first"].size(), 0U);
 }
 
-TEST_F(ForcePlots, UndoneStrokesTakeTheirTime) {
+TEST_F(ForcePlots, CountTheTimeOfUndoneStrokes) {
   create();
   const ParticipantId ada = join("Ada");
   const StrokeId gone = stroke(ada, {-15, 0, -2}, {15, 0, -2});
@@ -178,7 +178,7 @@ TEST_F(ForcePlots, UndoneStrokesTakeTheirTime) {
   EXPECT_EQ(after.back(), before.back());
 }
 
-TEST_F(ForcePlots, FromTheHistoryAreThoseFromTheFirstRecord) {
+TEST_F(ForcePlots, FromTheHistoryEqualThoseFromTheFirstRecord) {
   create();
   const ParticipantId ada = join("Ada"), bo = join("Bo");
   std::vector<StrokeId> strokes;

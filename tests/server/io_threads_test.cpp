@@ -49,7 +49,7 @@ TEST(IoThreads, NestedThreadsInheritTheNicenessOfTheirCreator) {
   EXPECT_EQ(run_and_wait(*created, niceness), base);
 }
 
-TEST(IoThreads, OnlyThoseOfAgentsInterruptOthersWhenTheyWakeUp) {
+TEST(IoThreads, OnlyAgentThreadsPreemptOnWakeup) {
   const auto policy = [] { return sched_getscheduler(0); };
   IoThreads viewers("viewers", 1, 5);
   IoThreads spawner("spawner", 1, 0);

@@ -22,7 +22,7 @@ TEST(JobStops, EndTheJobsOfASession) {
   EXPECT_FALSE(jobs.begin("a")->stop_requested());  // of another session with that id
 }
 
-TEST(JobStops, EndAllJobsAndThoseThatBeginLater) {
+TEST(JobStops, EndAllCurrentAndLaterJobs) {
   JobStops jobs;
   const auto one = jobs.begin("a"), none = jobs.begin("");
   jobs.stop();
@@ -32,7 +32,7 @@ TEST(JobStops, EndAllJobsAndThoseThatBeginLater) {
 }
 
 // As in a queue, stopping one job destroys another.
-TEST(JobStops, AJobMayEndWhileOthersAreStopped) {
+TEST(JobStops, JobsMayEndDuringAStop) {
   JobStops jobs;
   auto one = jobs.begin("a"), two = jobs.begin("a");
   const std::stop_callback ends_two(one->get_token(), [&two, &jobs] {
@@ -74,7 +74,7 @@ class StoppedTest : public ApiRightsTest {
   }
 };
 
-TEST_F(StoppedTest, WhatIsReadEndsWithStopped) {
+TEST_F(StoppedTest, ReadersEndWithStopped) {
   std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   for (int n = 0; n < 5000; ++n) obj += "f 1 2 3\n";
   const std::string program = "G21\nT1 M6\nF100\nG0 X0 Y0 Z5\nG1 Z-1\nX9\nM2\n";
@@ -89,7 +89,7 @@ TEST_F(StoppedTest, WhatIsReadEndsWithStopped) {
   }
 }
 
-TEST_F(StoppedTest, ASessionThatIsClosedEndsItsJobs) {
+TEST_F(StoppedTest, ClosingASessionEndsItsJobs) {
   const auto job = api->begin_job("block"), other = api->begin_job("other");
   made("DELETE", "/v1/sessions/block", kAdmin);
   EXPECT_TRUE(job->stop_requested());

@@ -63,7 +63,7 @@ class Journal : public testing::Test {
   std::filesystem::path file = folder / "demo.kerf";
 };
 
-TEST_F(Journal, ReadsWhatWasAppended) {
+TEST_F(Journal, RoundTrips) {
   write_ten();
   auto reader = JournalReader::open(file);
   ASSERT_TRUE(reader) << describe(reader.error());
@@ -99,7 +99,7 @@ TEST_F(Journal, OpenContinuesAfterTheLastRecordAndIncrementsTheEpoch) {
   EXPECT_EQ(count, 11);
 }
 
-TEST_F(Journal, StoresHowFarEachAgentHasComeWithItsRecords) {
+TEST_F(Journal, StoresTheProgressOfAgentsWithTheirRecords) {
   const TokenHash token = *hash_token("0123456789abcdef0123456789abcdef");
   {
     auto writer = JournalWriter::create(file, kHeader);
@@ -183,7 +183,7 @@ TEST_F(Journal, StoresTheKernelVersionOfItsNewestHash) {
   EXPECT_EQ(reader->state_hashes().back().hash, 42U);
 }
 
-TEST_F(Journal, WithoutAKernelVersionItIsOfTheFirst) {
+TEST_F(Journal, MissingKernelVersionMeansTheFirst) {
   write_ten();
   sql("DROP TABLE kernel_versions; PRAGMA user_version = 1");
   EXPECT_EQ(JournalReader::open(file)->header().kernel_version, kFirstKernelVersion);
@@ -196,7 +196,7 @@ TEST_F(Journal, WithoutAKernelVersionItIsOfTheFirst) {
   EXPECT_EQ(JournalReader::open(file)->header().kernel_version, kKernelVersion);
 }
 
-TEST_F(Journal, ReaderBesideAWriterReadsCommittedRecords) {
+TEST_F(Journal, ConcurrentReaderSeesCommittedRecords) {
   auto writer = JournalWriter::create(file, kHeader);
   ASSERT_TRUE(writer);
   for (int i = 1; i <= 1000; ++i) ASSERT_TRUE(writer->append(1, move_to(i)));
@@ -260,7 +260,7 @@ TEST_F(Journal, MissingRecordIsDetected) {
   expect_corrupt_at(3);
 }
 
-TEST_F(Journal, MissingTailIsReportedByTheHashThatIsLeft) {
+TEST_F(Journal, MissingTailIsDetectedByTheNewestHash) {
   write_ten();
   sql("DELETE FROM batches WHERE first > 8");
   auto reader = JournalReader::open(file);

@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-TEST(Log, WritesTheTextAsItIsWithTimeAndLevelOnStderr) {
+TEST(Log, WritesTimeLevelAndTextToStderr) {
   testing::internal::CaptureStderr();
   log::open();
   log::warn("session {} of {x}: 100 %");

@@ -50,7 +50,7 @@ class LongMotionTest : public SessionTest {
   ParticipantId mill = 0, ball = 0;
 };
 
-TEST_F(LongMotionTest, TakesSeveralTurnsBetweenWhichOthersCarve) {
+TEST_F(LongMotionTest, TakesSeveralTurnsSharedWithOtherParticipants) {
   ASSERT_FALSE(plunge());
   EXPECT_TRUE(session->is_between_records());
   std::optional<MotionAnswer> answer;
@@ -87,7 +87,7 @@ TEST_F(LongMotionTest, IsCompletedWhenItsParticipantLeaves) {
   EXPECT_EQ(session->solid().hash(), replayed_hash());
 }
 
-TEST_F(LongMotionTest, OfAParticipantThatComesBackIsPartOfItsNextAnswer) {
+TEST_F(LongMotionTest, ResumedParticipantGetsThePendingMotionInItsNextResult) {
   JoinRequest request{
       .kind = ParticipantKind::kAgent, .name = "", .color = "", .tool = 1, .durable = true};
   const auto admission = session->admit(request);
@@ -107,7 +107,7 @@ TEST_F(LongMotionTest, OfAParticipantThatComesBackIsPartOfItsNextAnswer) {
   EXPECT_EQ(session->solid().hash(), replayed_hash());
 }
 
-TEST_F(LongMotionTest, OfAProgramTakesSeveralSlicesAndSurvivesItsCancellation) {
+TEST_F(LongMotionTest, ProgramMotionTakesSeveralSlicesAndSurvivesCancellation) {
   Program program;
   program.name = "wide.ngc";
   program.motions.resize(2);
@@ -143,7 +143,7 @@ TEST_F(LongMotionTest, NoHashIsJournaledWhileItIsIncomplete) {
   EXPECT_EQ(replayed_hash(), session->solid().hash());
 }
 
-TEST_F(LongMotionTest, ABatchOfManyMotionsGoesOnInLaterTurns) {
+TEST_F(LongMotionTest, LargeBatchContinuesInLaterTurns) {
   std::vector<wire::MotionSample> samples;
   for (int n = 0; n < 16; ++n) {
     wire::MotionSample sample = with_ball(-38 + 5 * n, -3);

@@ -62,7 +62,7 @@ class SessionWithoutMemory : public SessionUndo {
   bool is_undone_ = false;
 };
 
-TEST_F(SessionWithoutMemory, AStrokeIsUndoneAndRedoneOrTheRequestIsRefused) {
+TEST_F(SessionWithoutMemory, UndoSucceedsOrChangesNothing) {
   carve_three_strokes();
   constexpr std::uint64_t kMany = 1'000'000'000;
   std::uint64_t allocations = 0;

@@ -28,7 +28,7 @@ TEST_F(MetricsTest, CountsDroppedDatagramsByReasonFromZero) {
   EXPECT_TRUE(has_line("kerf_datagrams_dropped_total{reason=\"too_many\"} 0"));
 }
 
-TEST_F(MetricsTest, TheDaysOfACertificateAreCountedToBothSidesOfItsEnd) {
+TEST_F(MetricsTest, CertificateDaysAreNegativeAfterExpiry) {
   EXPECT_FALSE(metrics.text(*registry).contains("kerf_certificate_days_left"));
   const auto days_left = [&] {
     const std::string text = metrics.text(*registry);
@@ -65,7 +65,7 @@ TEST_F(MetricsTest, GaugesOfTheJournalFollowItsCommits) {
   EXPECT_GT(value("kerf_session_bytes"), 4096);
 }
 
-TEST_F(MetricsTest, TheCpuTimeOfAParticipantGrowsWhileItCarvesAndEndsWithIt) {
+TEST_F(MetricsTest, CpuTimeIsCountedPerPresentParticipant) {
   const auto session = start();
   const auto ada = join(*session), ben = join(*session, "Ben");
   carve_circle(*session, ada, 100);

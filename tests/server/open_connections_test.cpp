@@ -17,7 +17,7 @@ class OpenConnectionsTest : public ::testing::Test {
   std::vector<int> closed_;
 };
 
-TEST_F(OpenConnectionsTest, TheOldestOfTheNetworkWithMostIsClosed) {
+TEST_F(OpenConnectionsTest, OldestConnectionOfTheBusiestNetworkIsClosed) {
   EXPECT_FALSE(open_.close_one());
   const auto only = enter("10.0.0.1", 1);
   std::vector<OpenConnections::Place> many;
@@ -27,7 +27,7 @@ TEST_F(OpenConnectionsTest, TheOldestOfTheNetworkWithMostIsClosed) {
   EXPECT_EQ(closed_, (std::vector{2, 3}));
 }
 
-TEST_F(OpenConnectionsTest, OnesThatAreClosedOrHaveLeftNoLongerCount) {
+TEST_F(OpenConnectionsTest, ClosedAndDepartedConnectionsDoNotCount) {
   auto first = enter("10.0.0.1", 1), second = enter("10.0.0.1", 2), third = enter("10.0.0.1", 3);
   const auto other = enter("10.0.0.2", 4), another = enter("10.0.0.2", 5);
   EXPECT_TRUE(open_.close_one());  // the first
@@ -42,7 +42,7 @@ TEST_F(OpenConnectionsTest, OnesThatAreClosedOrHaveLeftNoLongerCount) {
   EXPECT_EQ(closed_.size(), 4U);
 }
 
-TEST_F(OpenConnectionsTest, APlaceThatIsMovedIsLeftOnce) {
+TEST_F(OpenConnectionsTest, MovedPlaceIsLeftOnce) {
   {
     auto place = enter("10.0.0.1", 1);
     const auto moved = std::move(place);

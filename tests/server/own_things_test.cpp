@@ -118,7 +118,7 @@ class OwnThings : public ApiRightsTest, public testing::WithParamInterface<Comma
   std::string ada_, bo_;
 };
 
-TEST_P(OwnThings, SculptorsCommandTheirOwnOnesAndOwnersAll) {
+TEST_P(OwnThings, SculptorsControlTheirOwnThingsAndOwnersAll) {
   for (const Role role : {Role::kWatcher, Role::kSculptor, Role::kOwner}) {
     for (const bool is_own : {true, false}) {
       const std::string thing = make(GetParam().thing, is_own ? ada_ : bo_);
@@ -162,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(Commands, OwnThings, testing::ValuesIn(kCommands),
 
 using SharedThings = ApiRightsTest;
 
-TEST_F(SharedThings, AListSaysWhatTheCallerMayChange) {
+TEST_F(SharedThings, ListsStateWhetherTheCallerMayChangeAnItem) {
   const std::string ada = invite("role=sculptor&name=Ada"), bo = invite("role=sculptor&name=Bo");
   ApiRequest request = *parse_target(kBlock + "programs?pace=feed");
   request.method = "POST";
@@ -184,7 +184,7 @@ TEST_F(SharedThings, AListSaysWhatTheCallerMayChange) {
   EXPECT_EQ(listed(tokens[Role::kOwner]), std::pair(true, true));
 }
 
-TEST_F(SharedThings, ThoseWhoShareAnInvitationControlTheProgramsStartedWithIt) {
+TEST_F(SharedThings, HoldersOfAnInvitationShareControlOfItsPrograms) {
   ApiRequest request = *parse_target(kBlock + "programs?pace=feed");
   request.method = "POST";
   request.body = kProgramText;

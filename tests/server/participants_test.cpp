@@ -121,7 +121,7 @@ TEST_F(ParticipantsTest, DeferredChangesAreReportedTogether) {
   EXPECT_TRUE(carvers);
 }
 
-TEST_F(ParticipantsTest, MoreThanFiftyViewersAreCountedOnly) {
+TEST_F(ParticipantsTest, MoreThanFiftyViewersAreOnlyCounted) {
   const ParticipantId agent = join_agent();
   std::vector<ParticipantId> viewers;
   for (int n = 0; n < 50; ++n) viewers.push_back(join_viewer());
@@ -137,7 +137,7 @@ TEST_F(ParticipantsTest, MoreThanFiftyViewersAreCountedOnly) {
   EXPECT_EQ(participants.roster().viewers, 50U);
 }
 
-TEST_F(ParticipantsTest, AChangeTurnsOneRosterIntoTheNext) {
+TEST_F(ParticipantsTest, RosterChangeReproducesTheNextRoster) {
   const Roster none = participants.roster();
   const ParticipantId one = join_agent(), two = join_agent();
   const ParticipantId three = join_viewer();
@@ -157,7 +157,7 @@ TEST_F(ParticipantsTest, AChangeTurnsOneRosterIntoTheNext) {
   EXPECT_EQ(difference(after, none).left, (std::vector<ParticipantId>{two, three}));
 }
 
-TEST_F(ParticipantsTest, APeerThatJoinsAndLeavesAgainAndAgainIsRejectedInTheEnd) {
+TEST_F(ParticipantsTest, RepeatedJoinsAreRejected) {
   std::size_t joined = 0;
   for (int n = 0; n < 10'000; ++n) {
     const auto viewer =
@@ -173,7 +173,7 @@ TEST_F(ParticipantsTest, APeerThatJoinsAndLeavesAgainAndAgainIsRejectedInTheEnd)
   EXPECT_LT(joined, 10'000U);
 }
 
-TEST(RateLimit, ATokenThatIsStillToComeIsTakenForWhoWaitsForIt) {
+TEST(RateLimit, FutureTokenIsReservedForAWaitingCaller) {
   RateLimit limit(2, 3);
   Clock::time_point now{std::chrono::hours(1)};
   for (int n = 0; n < 3; ++n) EXPECT_EQ(limit.take(now, 1), 0.0);
@@ -187,7 +187,7 @@ TEST(RateLimit, ATokenThatIsStillToComeIsTakenForWhoWaitsForIt) {
   EXPECT_TRUE(limit.allow(now));
 }
 
-TEST_F(ParticipantsTest, AsManyViewersAsThereMayBeGetATurnAndThoseBeyondNone) {
+TEST_F(ParticipantsTest, ViewerTurnsAreLimitedToTheMaximumOfViewers) {
   std::size_t turns = 0;
   double last_s = 0;
   while (const auto wait_s = participants.viewer_turn()) {
@@ -210,7 +210,7 @@ TEST_F(ParticipantsTest, AsManyViewersAsThereMayBeGetATurnAndThoseBeyondNone) {
   ADD_FAILURE() << "agents do not wait: their joins are limited";
 }
 
-TEST_F(ParticipantsTest, AnAgentThatIsPresentCanResumeHoweverManyComeAfterIt) {
+TEST_F(ParticipantsTest, PresentAgentCanAlwaysResume) {
   const SessionLimits many{.agents_max = 2, .carver_joins_per_s = 1e9, .carver_joins_burst = 1e9};
   Participants others{many, sculpture, journal, 1, 0};
   const auto admit = [&](const std::string& token) {
@@ -243,7 +243,7 @@ TEST_F(ParticipantsTest, AnAgentThatIsPresentCanResumeHoweverManyComeAfterIt) {
   }
 }
 
-TEST_F(ParticipantsTest, ResumingHasALimitOfItsOwnForEachAgent) {
+TEST_F(ParticipantsTest, ResumingIsLimitedPerAgent) {
   JoinRequest request{.kind = ParticipantKind::kAgent, .name = "", .color = "", .durable = true};
   const JoinRequest plain{.kind = ParticipantKind::kAgent, .name = "", .color = ""};
   const auto ada = participants.admit(request), bob = participants.admit(request);

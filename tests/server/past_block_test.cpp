@@ -49,7 +49,7 @@ class Past : public SessionUndo {
   }
 };
 
-TEST_F(Past, GoesToAnyRecordToTheBit) {
+TEST_F(Past, SeeksToAnyRecordToTheBit) {
   for (const char* rays : {"\"dexel\"", "\"tri-dexel\""}) {
     renew();
     carve(rays);
@@ -91,7 +91,7 @@ TEST_F(Past, IsTheSameAtEverySpeed) {
   }
 }
 
-TEST_F(Past, OfSeveralChangesInARowNoneComesBeforeItsTime) {
+TEST_F(Past, ConsecutiveStrokeChangesAppearOnTime) {
   create();
   const StrokeId a = stroke(join("Ada"), {-15, 0, -2}, {15, 0, -2});
   const std::uint64_t carved = session_->sequence();
@@ -113,7 +113,7 @@ TEST_F(Past, OfSeveralChangesInARowNoneComesBeforeItsTime) {
   EXPECT_EQ(block.solid().hash(), hash());
 }
 
-TEST_F(Past, ABlockThatIsLateGoesOnWhereItWas) {
+TEST_F(Past, LateBlockContinuesWhereItStopped) {
   carve();
   ASSERT_TRUE(session_->flush());
   PastBlock block = PastBlock::create(past_of(session_)).value();
@@ -167,7 +167,7 @@ TEST_F(Past, NamesTheTilesWhoseSurfaceChanges) {
   }
 }
 
-TEST_F(Past, ToolsHaveTheForcesOfForcesCsv) {
+TEST_F(Past, ToolForcesEqualForcesCsv) {
   create();
   const ParticipantId ada = join("Ada");
   stroke(ada, {-15, 0, -2}, {15, 0, -2});
@@ -209,7 +209,7 @@ TEST_F(Past, ReadsNothingAtTheEndOfTheJournal) {
   EXPECT_EQ(played->next_ms, 0);
 }
 
-TEST_F(Past, PlaysWithoutTheHeadOfTheJournal) {
+TEST_F(Past, PlaysFromTheMiddleOfTheJournal) {
   carve();
   ASSERT_TRUE(session_->flush());
   {
@@ -252,7 +252,7 @@ class AskingWorkers final : public Workers {
   std::optional<bool> is_first_;
 };
 
-TEST_F(Past, StopsForThoseWhoAskForStrokes) {
+TEST_F(Past, YieldsToStrokeRequests) {
   carve();
   AskingWorkers workers(*session_);
   const std::uint64_t last = session_->sequence();
@@ -263,7 +263,7 @@ TEST_F(Past, StopsForThoseWhoAskForStrokes) {
   EXPECT_EQ(workers.strokes(), 4U);
 }
 
-TEST(HistoryTurns, ALookBackIsStoppedAndWaitsWhileOthersAsk) {
+TEST(HistoryTurns, LookBackYieldsToUrgentRequests) {
   HistoryTurns turns;
   std::stop_source first, second;
   auto look = turns.look_back(10s, first);
@@ -282,7 +282,7 @@ TEST(HistoryTurns, ALookBackIsStoppedAndWaitsWhileOthersAsk) {
   EXPECT_TRUE(second.stop_requested());
 }
 
-TEST_F(Past, StopsWhenItIsAskedTo) {
+TEST_F(Past, StopsOnRequest) {
   carve();
   ASSERT_TRUE(session_->flush());
   std::stop_source stop;

@@ -100,7 +100,7 @@ class PeerSocketTest : public SessionTest {
 constexpr WebSocketLimits kClientLimits{
     .handshake = std::chrono::seconds(5), .idle = std::chrono::seconds(20), .message_bytes = 1024};
 
-TEST_F(PeerSocketTest, APeerThatDoesNotReadIsDisconnectedWhenItsConversationEnds) {
+TEST_F(PeerSocketTest, StalledPeerIsDisconnectedWhenItsConversationEnds) {
   OneFrame conversation(start(), metrics_, kLongFrameBytes);
   WebSocket reader(std::move(client_), kClientLimits);
   asio::co_spawn(
@@ -117,7 +117,7 @@ TEST_F(PeerSocketTest, APeerThatDoesNotReadIsDisconnectedWhenItsConversationEnds
   EXPECT_TRUE(is_closed_);
 }
 
-TEST_F(PeerSocketTest, AFrameArrivesAlsoIfTheOneThatWasToFollowIsDropped) {
+TEST_F(PeerSocketTest, FrameArrivesEvenIfThePromisedNextOneIsDropped) {
   OneFrame conversation(start(), metrics_, 10, true);
   WebSocket reader(std::move(client_), kClientLimits);
   bool has_arrived = false;

@@ -35,7 +35,7 @@ class PinsTest : public SessionUndo {
   }
 };
 
-TEST_F(PinsTest, OutlastARestartWithAllTheySay) {
+TEST_F(PinsTest, SurviveARestart) {
   create();
   const ParticipantId ada = join("Ada");
   stroke(ada, {-15, 0, -2}, {15, 0, -2});
@@ -62,7 +62,7 @@ TEST_F(PinsTest, OutlastARestartWithAllTheySay) {
   EXPECT_EQ(pins().set(pin("next"))->number, 4U);
 }
 
-TEST_F(PinsTest, AreRemovedByThoseWhoSetThemAndByOwners) {
+TEST_F(PinsTest, AreRemovedByTheirAuthorsAndOwners) {
   create();
   pins().set(pin("ada's", "a"));
   pins().set(pin("nobody's"));
@@ -83,7 +83,7 @@ TEST_F(PinsTest, AreLimitedInNumber) {
   EXPECT_TRUE(pins().set(pin("more")));
 }
 
-TEST_F(PinsTest, AreInAFrameWhenOneHasChanged) {
+TEST_F(PinsTest, AreSentWhenOneHasChanged) {
   create();
   EXPECT_TRUE(session_->frame(true).matters.empty());
   pins().set(pin("one"));
@@ -101,7 +101,7 @@ TEST_F(PinsTest, AreInAFrameWhenOneHasChanged) {
   EXPECT_TRUE(nlohmann::json::parse(none[0].text).at("pins").empty());
 }
 
-TEST_F(PinsTest, OfABranchAreThoseThatWereSetUpToItsPoint) {
+TEST_F(PinsTest, BranchInheritsEarlierPinsOnly) {
   create();
   const ParticipantId ada = join("Ada");
   pins().set(pin("before"));
@@ -116,7 +116,7 @@ TEST_F(PinsTest, OfABranchAreThoseThatWereSetUpToItsPoint) {
   EXPECT_EQ(list[0].text, "before");
 }
 
-TEST_F(PinsTest, ADamagedRowIsLeftOut) {
+TEST_F(PinsTest, DamagedRowIsLeftOut) {
   create();
   pins().set(pin("good"));
   pins().set(pin("bad"));

@@ -123,7 +123,7 @@ constexpr const char* kShankScene = R"({
   "tools": [{"id": 1, "shape": "flat", "diameter_mm": 6, "length_mm": 4,
              "shank": {"diameter_mm": 8, "length_mm": 30}}]})";
 
-TEST_F(SessionTest, AProgramThatCrashesListsWhereAndHow) {
+TEST_F(SessionTest, CrashingProgramListsAlarmsWithPositions) {
   const auto session = start(kShankScene);
   const auto program = parse_program("crash.ngc",
                                      "G21 G90 T1 M6\n"  // line 1
@@ -155,7 +155,7 @@ TEST_F(SessionTest, AProgramThatCrashesListsWhereAndHow) {
   EXPECT_EQ(json.at("alarm_count"), 2);
 }
 
-TEST_F(SessionTest, FramesTellOfProgramsOnlyWhenOneHasChanged) {
+TEST_F(SessionTest, FramesIncludeProgramsOnlyAfterAChange) {
   const auto session = start();
   EXPECT_FALSE(session->frame(true).programs);
   Program program;

@@ -36,7 +36,7 @@ void run(ProgramRuns& runs, const ProgramRuns::Carve& carve = cut) {
   }
 }
 
-TEST(ProgramControl, APausedProgramCarvesNothingAndGoesOnWhereItWas) {
+TEST(ProgramControl, PausedProgramContinuesWhereItStopped) {
   ProgramRuns runs;
   const auto id = runs.start(1, program_at({1, 2, 3, 4}), {}, Clock::now()).id;
   std::vector<std::uint32_t> lines;
@@ -58,7 +58,7 @@ TEST(ProgramControl, APausedProgramCarvesNothingAndGoesOnWhereItWas) {
   EXPECT_FALSE(runs.order(id, ProgramOrder::kResume, Clock::now()));
 }
 
-TEST(ProgramControl, AMotionThatIsCutInPartIsCompletedBeforeAPause) {
+TEST(ProgramControl, PartlyCutMotionIsCompletedBeforeAPause) {
   ProgramRuns runs;
   const auto id = runs.start(1, program_at({1, 2}), {}, Clock::now()).id;
   int calls = 0;
@@ -95,7 +95,7 @@ TEST(ProgramControl, AStepCarvesTheMotionsOfOneBlock) {
   EXPECT_EQ(step(), std::pair(9U, ProgramState::kFinished));
 }
 
-TEST(ProgramControl, TheTimeOfAProgramStandsWhileItIsPaused) {
+TEST(ProgramControl, ProgramTimeStopsDuringAPause) {
   ProgramClock clock;
   const auto start = Clock::now();
   clock.run(start);
@@ -128,7 +128,7 @@ TEST(ProgramControl, TheSpeedMultipliesTheFeedRate) {
   EXPECT_FALSE(runs.set_pace(slow, ProgramPace::kFeed, 1, Clock::now()));
 }
 
-TEST(ProgramControl, WhatAProgramIsBehindIsNotMadeUpForAfterAPause) {
+TEST(ProgramControl, DelayIsNotMadeUpForAfterAPause) {
   ProgramRuns runs;
   const auto start = Clock::now() - seconds(100);
   const auto id = runs.start(1, program_at({1, 2, 3, 4, 5}), {ProgramPace::kFeed}, start).id;
@@ -138,7 +138,7 @@ TEST(ProgramControl, WhatAProgramIsBehindIsNotMadeUpForAfterAPause) {
   EXPECT_EQ(runs.status(id)->motions_done, 1U);
 }
 
-TEST(ProgramControl, AQueuedProgramBeginsWhenTheOneBeforeItHasFinished) {
+TEST(ProgramControl, QueuedProgramBeginsWhenItsPredecessorHasFinished) {
   ProgramRuns runs;
   const auto first = runs.start(1, program_at({1, 2}), {}, Clock::now()).id;
   const auto second = runs.start(2, program_at({1}), {.after = first}, Clock::now()).id;
@@ -158,7 +158,7 @@ TEST(ProgramControl, AQueuedProgramBeginsWhenTheOneBeforeItHasFinished) {
   EXPECT_EQ(runs.newest_open(), 0U);
 }
 
-TEST(ProgramControl, ProgramsQueuedBehindOneThatFailsAreCancelled) {
+TEST(ProgramControl, ProgramsQueuedBehindAFailureAreCancelled) {
   ProgramRuns runs;
   const auto first = runs.start(1, program_at({1, 2}), {}, Clock::now()).id;
   const auto second = runs.start(2, program_at({1}), {.after = first}, Clock::now()).id;
@@ -179,7 +179,7 @@ TEST(ProgramControl, TheToolsAreListedInTheOrderOfTheirUse) {
   EXPECT_EQ(status.tool, 2U);
 }
 
-TEST(ProgramControl, TextsOfTheOldestProgramsThatHaveEndedAreDropped) {
+TEST(ProgramControl, TextsOfTheOldestEndedProgramsAreDropped) {
   MemoryBudget budget(1000);
   ProgramRuns runs;
   const auto start = [&](const std::vector<std::uint32_t>& lines) {
@@ -201,7 +201,7 @@ TEST(ProgramControl, TextsOfTheOldestProgramsThatHaveEndedAreDropped) {
   EXPECT_TRUE(runs.status(first));
 }
 
-TEST_F(SessionTest, APausedProgramWakesNobodyUntilItIsResumed) {
+TEST_F(SessionTest, PausedProgramSchedulesNothing) {
   const auto session = start();
   Program program = program_at({1, 2});
   for (ProgramMotion& motion : program.motions) motion.from = motion.to = {{0, 0, -1}, {0, 0, 1}};
@@ -248,7 +248,7 @@ class StoppedPrograms : public SessionTest {
   std::shared_ptr<Session> session;
 };
 
-TEST_F(StoppedPrograms, AreThoseThatHaveNotEndedEachWithTheLineOfItsNewestRecord) {
+TEST_F(StoppedPrograms, AreListedWithTheLineOfTheirNewestRecord) {
   begin("waits.ngc");
   const ProgramId runs = begin("runs.ngc");
   session->cancel_program(begin("ends.ngc"));
@@ -274,7 +274,7 @@ TEST_F(StoppedPrograms, AreThoseThatHaveNotEndedEachWithTheLineOfItsNewestRecord
   EXPECT_EQ(stopped().size(), 1U) << "one that has finished is not shown again";
 }
 
-TEST_F(StoppedPrograms, AreShownOnceAfterTheEndOfTheirServer) {
+TEST_F(StoppedPrograms, AreListedOnceAfterTheirServerEnded) {
   begin("job.ngc");
   session->close("the server stops");
   ASSERT_TRUE(session->finish_journal());
@@ -295,7 +295,7 @@ TEST_F(StoppedPrograms, AreShownOnceAfterTheEndOfTheirServer) {
   EXPECT_TRUE(shown().empty());
 }
 
-TEST_F(StoppedPrograms, AreNoneOfDamagedBytes) {
+TEST_F(StoppedPrograms, IgnoreDamagedAttachments) {
   begin("job.ngc");
   EXPECT_TRUE(session->flush());
   auto attachments = *read_attachments(session->journal_file());
@@ -304,7 +304,7 @@ TEST_F(StoppedPrograms, AreNoneOfDamagedBytes) {
   EXPECT_TRUE(stopped_programs(attachments, {}).empty());
 }
 
-TEST_F(SessionTest, AProgramFollowsOnlyOneThatCanFinish) {
+TEST_F(SessionTest, ProgramsCannotFollowFailedOrUnknownOnes) {
   const auto session = start();
   const auto cancelled = session->start_program(program_at({1}), {ProgramPace::kFeed})->id;
   session->cancel_program(cancelled);

@@ -100,7 +100,7 @@ TEST_F(ProgramJournal, CuttingMovesWaitForASlowDisk) {
   expect_replay_of(*session);
 }
 
-TEST_F(ProgramJournal, AProgramWaitsForAFullDiskAndGoesOn) {
+TEST_F(ProgramJournal, ProgramWaitsForAFullDiskAndContinues) {
   const auto session = start();
   const auto agent = join(*session);
   disk.fail({test::DiskFault::kNoSpace, test::FaultTarget::kAll, 300'000});
@@ -142,7 +142,7 @@ std::vector<Vec3> loop_over_the_block() {
   return points;
 }
 
-TEST_F(ProgramJournal, StraightAirMovesAreJoinedWithoutAChangeOfTheSolid) {
+TEST_F(ProgramJournal, JoiningAirMovesKeepsTheSolid) {
   const std::vector<Vec3> points = loop_over_the_block();
   const Program program = program_through(points);
   auto every = *Sculpture::create(parse_scene(kScene, SceneSource{})->settings);
@@ -188,7 +188,7 @@ TEST_F(ProgramJournal, StraightAirMovesAreJoinedWithoutAChangeOfTheSolid) {
   EXPECT_EQ(again.state_hash(), every.state_hash());
 }
 
-TEST_F(ProgramJournal, ACancelledProgramKeepsThePathThatItHasTravelled) {
+TEST_F(ProgramJournal, CancelledProgramKeepsItsTravelledPath) {
   const auto session = start();
   std::vector<Vec3> points;
   for (int n = 0; n <= 100'000; ++n) points.push_back({-30 + n * 0.0001, 0, 20});
@@ -206,7 +206,7 @@ TEST_F(ProgramJournal, ACancelledProgramKeepsThePathThatItHasTravelled) {
   EXPECT_EQ(last, points.at(done));
 }
 
-TEST_F(SessionTest, RecordsTellTheirStrokeAndTheirTime) {
+TEST_F(SessionTest, RecordsHaveStrokeAndTime) {
   const auto session = start();
   const auto ada = join(*session), bob = join(*session, "Bob");
   const auto lift = [&](ParticipantId id, double x_mm) {

@@ -50,7 +50,7 @@ TEST(ProgramRuns, FastProgramIsCarvedInSlices) {
   EXPECT_TRUE(runs.take_ended().empty());
 }
 
-TEST(ProgramRuns, AMotionThatIsNotCompleteIsRepeated) {
+TEST(ProgramRuns, IncompleteMotionIsRepeated) {
   ProgramRuns runs;
   const auto id = runs.start(1, program_of(3), {ProgramPace::kFast}, Clock::now()).id;
   std::vector<double> calls;
@@ -78,7 +78,7 @@ TEST(ProgramRuns, ProgramsAlternate) {
   EXPECT_EQ(order, (std::vector<ParticipantId>{1, 2, 1, 2, 1, 2, 1, 2}));
 }
 
-TEST(ProgramRuns, AProgramThatHasEndedGivesItsMemoryBack) {
+TEST(ProgramRuns, EndedProgramReleasesItsMemory) {
   MemoryBudget budget(1'000'000);
   ProgramRuns runs;
   const auto start = [&] {
@@ -102,7 +102,7 @@ TEST(ProgramRuns, AProgramThatHasEndedGivesItsMemoryBack) {
   EXPECT_EQ(budget.taken(), 0U);
 }
 
-TEST(MemoryBudget, SharesAreTakenAndGivenBack) {
+TEST(MemoryBudget, SharesAreTakenAndReturned) {
   MemoryBudget budget(100);
   auto one = budget.take(60);
   ASSERT_TRUE(one);
@@ -122,7 +122,7 @@ TEST(MemoryBudget, SharesAreTakenAndGivenBack) {
   EXPECT_FALSE(budget.take(~std::size_t{0}));
 }
 
-TEST(ProgramRuns, ToolMovesAlongAMotionThatIsNotDue) {
+TEST(ProgramRuns, ToolMovesAlongAFutureMotion) {
   ProgramRuns runs;
   const auto show = [&](ProgramPace pace, double passed_s) {
     const auto start = Clock::now() - std::chrono::duration_cast<Clock::duration>(
@@ -189,7 +189,7 @@ TEST(ProgramRuns, RejectedMotionFailsTheProgramWithItsLine) {
   EXPECT_EQ(runs.status(id)->motions_done, 2U);
 }
 
-TEST(ProgramRuns, ABusyMotionIsTriedAgainAndTheLastOneIsMarked) {
+TEST(ProgramRuns, BusyMotionIsRetriedAndTheLastOneMarked) {
   ProgramRuns runs;
   const auto id = runs.start(1, program_of(3), {ProgramPace::kFast}, Clock::now()).id;
   bool busy = true;

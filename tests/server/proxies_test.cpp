@@ -46,7 +46,7 @@ TEST(TrustedProxies, AnythingElseIsAnError) {
   }
 }
 
-TEST(TrustedProxies, TheClientIsTheLastAddressThatIsNoProxy) {
+TEST(TrustedProxies, ClientIsTheLastUntrustedAddress) {
   const TrustedProxies some = proxies({"10.0.0.0/8"});
   EXPECT_EQ(client_of("203.0.113.9", some), "203.0.113.9");
   // The client itself controls the values before it.
@@ -59,7 +59,7 @@ TEST(TrustedProxies, TheClientIsTheLastAddressThatIsNoProxy) {
   EXPECT_EQ(client_of("", some), "");
 }
 
-TEST(TrustedProxies, OnlyTheirWordAboutAClientCounts) {
+TEST(TrustedProxies, OnlyTrustedProxiesNameClients) {
   RequestHead head = forwarded_head();
   apply_forwarding(head, proxies({"10.0.0.0/8"}));
   EXPECT_EQ(head.address, "203.0.113.9");
@@ -85,7 +85,7 @@ TEST(TrustedProxies, AForwardedNameMustBeAllowedToo) {
   EXPECT_TRUE(screen(head, options));
 }
 
-TEST(NetworkOf, OneClientHasTheLowerHalfOfAnIpv6Address) {
+TEST(NetworkOf, Ipv6ClientsAreGroupedBy64Bits) {
   EXPECT_EQ(network_of("203.0.113.9"), "203.0.113.9");
   EXPECT_EQ(network_of("::ffff:203.0.113.9"), "203.0.113.9");
   EXPECT_EQ(network_of("2001:db8:1:2:3:4:5:6"), network_of("2001:db8:1:2::9"));

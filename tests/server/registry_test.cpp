@@ -19,7 +19,7 @@ class ImmediateExecutor final : public Executor {
   void post_after(std::chrono::microseconds, Work) override {}
 };
 
-TEST_F(SessionTest, ASceneHasANameThatListsCanHold) {
+TEST_F(SessionTest, LongSceneNamesAreRejected) {
   const auto named = [](std::size_t bytes) {
     std::string scene = kScene;
     return scene.replace(scene.find("Test block"), 10, std::string(bytes, 'n'));
@@ -90,7 +90,7 @@ TEST_F(ClosedSessions, AreListedAndReopenedToTheBit) {
   EXPECT_TRUE(registry->closed().empty());
 }
 
-TEST_F(ClosedSessions, KeepTheirPlaceIfTheyCannotBeReopened) {
+TEST_F(ClosedSessions, StayClosedIfTheyCannotBeReopened) {
   leave_closed();
   leave_closed();
   auto closed = registry->closed();
@@ -109,7 +109,7 @@ TEST_F(ClosedSessions, KeepTheirPlaceIfTheyCannotBeReopened) {
   EXPECT_TRUE(registry->reopen(closed[1].name, report));
 }
 
-TEST_F(ClosedSessions, AreFoundByNamesOfTheFolderOnly) {
+TEST_F(ClosedSessions, AreFoundByListedNamesOnly) {
   leave_closed();
   start();
   LoadReport report;

@@ -14,7 +14,7 @@ TEST(ResponseHead, HasStatusLineFieldsAndAnEmptyLine) {
             "Content-Type: application/json\r\nContent-Length: 3\r\n\r\n");
 }
 
-TEST(ResponseHead, SaysWhetherTheConnectionRemainsOpen) {
+TEST(ResponseHead, StatesWhetherTheConnectionStaysOpen) {
   const ApiResponse response;
   const auto has = [&](ResponseFraming framing, std::string_view field) {
     return response_head(response, framing).find(field) != std::string::npos;

@@ -9,7 +9,7 @@ namespace {
 
 using RestingTool = SessionTest;
 
-TEST_F(RestingTool, AToolThatBeginsToCutAtRestLeavesItsImprintOnce) {
+TEST_F(RestingTool, CuttingAtRestLeavesTheImprintOnce) {
   const auto session = start();
   const auto id = join(*session);
   move(*session, id, 0, 0, -1);
@@ -26,7 +26,7 @@ TEST_F(RestingTool, AToolThatBeginsToCutAtRestLeavesItsImprintOnce) {
   EXPECT_NEAR(other->info().removed_mm3, taken, 0.02);
 }
 
-TEST_F(RestingTool, IsNotJournaledWhereAMotionHasEnded) {
+TEST_F(RestingTool, IsNotJournaledAtTheEndOfAMotion) {
   const auto session = start();
   const auto id = join(*session);
   for (const double x : {0.0, 1.0}) move(*session, id, x, 0, -1);

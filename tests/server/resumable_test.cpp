@@ -44,7 +44,7 @@ class ResumableTest : public SessionTest {
   std::shared_ptr<Session> session;
 };
 
-TEST_F(ResumableTest, ATokenOutlastsTheJoinsOfOthersAndARestart) {
+TEST_F(ResumableTest, TokensSurviveOtherJoinsAndARestart) {
   const auto ada = admit("", "Ada");
   const ParticipantId id = ada->participant.id;
   for (int n = 0; n < 5; ++n) move(*session, id, 0.1 * n, 0, -1);
@@ -75,7 +75,7 @@ TEST_F(ResumableTest, ATokenOutlastsTheJoinsOfOthersAndARestart) {
   EXPECT_EQ(again->agent_sequence, 6U);
 }
 
-TEST_F(ResumableTest, AMuteOutlastsTheJoinsOfOthers) {
+TEST_F(ResumableTest, MutesSurviveOtherJoins) {
   const auto ada = admit("", "Ada");
   ASSERT_TRUE(session->set_muted(ada->participant.id, true));
   session->leave(ada->participant.id);
@@ -85,7 +85,7 @@ TEST_F(ResumableTest, AMuteOutlastsTheJoinsOfOthers) {
   EXPECT_TRUE(again->participant.is_muted);
 }
 
-TEST_F(ResumableTest, AnAgentThatWasRemovedStaysRemoved) {
+TEST_F(ResumableTest, RemovedAgentStaysRemoved) {
   const auto ada = admit("", "Ada");
   ASSERT_TRUE(session->remove(ada->participant.id, "too loud"));
   session->leave(ada->participant.id);
@@ -109,7 +109,7 @@ TEST_F(ResumableTest, AnAgentWhoseRowIsDamagedJoinsAsANewOne) {
   EXPECT_NE(again->participant.id, ada->participant.id);
 }
 
-TEST_F(ResumableTest, WhatIsNotCommittedYetIsTriedAgain) {
+TEST_F(ResumableTest, RecallIsRetriedUntilCommitted) {
   Resumable resumable;
   SessionJournal journal(*JournalWriter::create(folder / "other.kerf", {"other", "{}", ""}), {});
   const auto absent = [](ParticipantId) { return false; };
@@ -163,11 +163,11 @@ class JoinLimits : public SessionTest {
   std::shared_ptr<Session> session;
 };
 
-TEST_F(JoinLimits, AFullSessionBehindOneInvitationDoesNotMeetItsLimit) {
+TEST_F(JoinLimits, OneInvitationAdmitsAFullSession) {
   for (std::size_t n = 0; n < 2 * limits.agents_max; ++n) ASSERT_TRUE(admit("class")) << n;
 }
 
-TEST_F(JoinLimits, TheHoldersOfOneInvitationDoNotJoinAgainAndAgain) {
+TEST_F(JoinLimits, RepeatedJoinsWithOneInvitationAreLimited) {
   const auto first = admit("eve/1");
   ASSERT_TRUE(first);
   std::size_t joined = 1;

@@ -61,7 +61,7 @@ class RouteQuery : public SessionTest {
   std::optional<Api> api_;
 };
 
-TEST_F(RouteQuery, EveryRouteRejectsAParameterThatItDoesNotDeclareAndNamesThoseItHas) {
+TEST_F(RouteQuery, EveryRouteRejectsUndeclaredParameters) {
   for (const Route& route : api_->routes().all()) {
     const auto unknown = fault(route, "?another_one=1");
     if (route.query == kAnyQuery) {
@@ -77,7 +77,7 @@ TEST_F(RouteQuery, EveryRouteRejectsAParameterThatItDoesNotDeclareAndNamesThoseI
   }
 }
 
-TEST_F(RouteQuery, EveryRouteTakesItsParametersOnceEach) {
+TEST_F(RouteQuery, EveryRouteRejectsRepeatedParameters) {
   for (const Route& route : api_->routes().all()) {
     if (route.query.empty() || route.query == kAnyQuery) continue;
     std::string all = "?";
@@ -108,7 +108,7 @@ TEST_F(RouteQuery, AFlagIsZeroOrOne) {
   EXPECT_GE(flags, 7U);
 }
 
-TEST_F(RouteQuery, AMisspelledPointMakesNoBranchOfThePresent) {
+TEST_F(RouteQuery, MisspelledPointCreatesNoBranch) {
   const auto response =
       fault(*api_->routes().match("POST", {"v1", "sessions"}).route, "?from=block&at=1&id=other");
   EXPECT_EQ(code(response), "unknown_parameter");
@@ -116,7 +116,7 @@ TEST_F(RouteQuery, AMisspelledPointMakesNoBranchOfThePresent) {
   EXPECT_TRUE(response->body.contains("id, from, dry_run, here")) << response->body;
 }
 
-TEST_F(RouteQuery, EmptyPartsOfAQueryAreNone) {
+TEST_F(RouteQuery, EmptyPartsOfAQueryAreIgnored) {
   EXPECT_FALSE(fault(*api_->routes().match("GET", {"healthz"}).route, "?&&"));
   EXPECT_FALSE(fault(*api_->routes().match("GET", {"healthz"}).route, "?"));
   EXPECT_EQ(code(fault(*api_->routes().match("GET", {"healthz"}).route, "?=1")),

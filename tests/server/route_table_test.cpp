@@ -36,7 +36,7 @@ TEST(Routes, MethodAndPathSelectARow) {
 }
 
 // Requests that parse foreign bytes, make files or look back may take long.
-TEST(Routes, ShortRequestsHaveThreadsApartFromLongOnes) {
+TEST(Routes, ShortAndLongRequestsUseDifferentThreads) {
   const auto runs = [](const char* method, const std::string& target) {
     return match(method, "/v1/sessions" + target).route->runs;
   };
@@ -62,7 +62,7 @@ TEST(Routes, ShortRequestsHaveThreadsApartFromLongOnes) {
   EXPECT_EQ(match("POST", "/v1/programs").route->runs, Runs::kRead);
 }
 
-TEST(Routes, TheViewersFilesAreWhatRemainsOutsideTheInterface) {
+TEST(Routes, ViewersFilesAreTheFallback) {
   EXPECT_EQ(match("GET", "/").route->pattern, "/{file...}");
   EXPECT_EQ(match("GET", "/assets/app.js").route->pattern, "/{file...}");
   EXPECT_EQ(match("GET", "/metrics").route->pattern, "/metrics");
@@ -140,7 +140,7 @@ class ApiTest : public SessionTest {
 constexpr const char* kTetrahedron =
     "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
-TEST_F(ApiTest, AMeshWaitsForTheMemoryThatItsReadingTakes) {
+TEST_F(ApiTest, MeshUploadNeedsMemoryForReading) {
   const std::string body = kTetrahedron;
   options.program_bytes = 19 * body.size();
   api.emplace(options, *registry, metrics, *access, matter_routes());
@@ -154,7 +154,7 @@ TEST_F(ApiTest, AMeshWaitsForTheMemoryThatItsReadingTakes) {
   }
 }
 
-TEST_F(ApiTest, AFewBytesDoNotBecomeMillionsOfTriangles) {
+TEST_F(ApiTest, ExpansionOfUploadedMeshesIsLimited) {
   // Object n contains object n - 1 twice, and object 1 is a triangle: 2^20 triangles.
   std::string objects =
       R"(<object id="1"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>)"
@@ -252,7 +252,7 @@ TEST_F(ApiTest, InvalidDownloadParametersAreNamed) {
   EXPECT_EQ(ask("GET", "/v1/sessions/block/model.xyz").status, 404U);
 }
 
-TEST_F(ApiTest, ADryRunStatesThePriceOfASceneAndCreatesNothing) {
+TEST_F(ApiTest, DryRunReturnsTheCostAndCreatesNothing) {
   using nlohmann::json;
   json scene = json::parse(kScene);
   const auto price = [&](double pitch_mm) {
@@ -313,7 +313,7 @@ TEST_F(ApiTest, ASceneIsDerivedForAProgramWithoutASession) {
   EXPECT_NE(air.body.find("cuts nothing"), std::string::npos);
 }
 
-TEST_F(ApiTest, ADryRunFailsAsCreatingWould) {
+TEST_F(ApiTest, DryRunFailsLikeCreation) {
   const auto fails = [&](const std::string& query, unsigned status, const std::string& error) {
     for (const char* dry : {"&dry_run=1", ""}) {
       const ApiResponse response = ask("POST", "/v1/sessions?" + query + dry, kScene);

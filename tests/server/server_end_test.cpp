@@ -59,7 +59,7 @@ void cut_until_the_end(bench::WebSocket& agent) {
 }
 
 // Two are admitted at once, and one each quarter of a second.
-TEST(Audience, ThatIsLargerThanWhatIsLetInAtOnceComesOneAfterTheOther) {
+TEST(Audience, LargeAudienceIsAdmittedInTurn) {
   const test::TemporaryFolder folder;
   const auto server = start(
       folder.path(), {.viewer_joins_per_s = 4, .viewer_joins_burst = 2, .viewer_wait_max_s = 1.5});
@@ -80,7 +80,7 @@ TEST(Audience, ThatIsLargerThanWhatIsLetInAtOnceComesOneAfterTheOther) {
 }
 
 // Peers that neither read nor close are still connected when the threads end one after the other.
-TEST(ServerEnd, OfAServerWithViewersLeavesNothingBehind) {
+TEST(ServerEnd, WithViewersLeavesNothingBehind) {
   const test::TemporaryFolder folder;
   for (int turn = 0; turn < 3; ++turn) {
     auto server = start(folder.path());
@@ -98,7 +98,7 @@ TEST(ServerEnd, OfAServerWithViewersLeavesNothingBehind) {
   }
 }
 
-TEST(ServerStart, InAFolderThatAnotherOneUsesFailsAndChangesNothing) {
+TEST(ServerStart, InAUsedFolderFailsAndChangesNothing) {
   const test::TemporaryFolder folder;
   const auto first = start(folder.path());
   bench::post(first->port(), "/v1/sessions?id=bench", kScene);

@@ -45,7 +45,7 @@ class CertificateReport : public SessionTest {
   Metrics metrics;
 };
 
-TEST_F(CertificateReport, OneThatHasExpiredIsReportedAtTheStartAndCounted) {
+TEST_F(CertificateReport, ExpiredCertificateIsReportedAndCounted) {
   const std::string text = log_of("old", {.begins_s = -2 * test::kDayS, .ends_s = -test::kDayS});
   EXPECT_TRUE(text.contains("old.pem has expired")) << text;
   EXPECT_TRUE(text.contains("SIGHUP")) << text;
@@ -98,7 +98,7 @@ std::size_t resident_bytes() {
   return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
-TEST(SlowDownloads, OverTlsDoNotFillTheMemory) {
+TEST(SlowDownloads, OverTlsUseLittleMemory) {
   constexpr std::size_t kBytes = std::size_t{8} << 20, kReaders = 20;
   const test::TemporaryFolder folder;
   test::certify(folder / "own");

@@ -187,7 +187,7 @@ TEST_F(ServerUdp, APortInUseIsAnErrorOnlyIfItWasNamed) {
   EXPECT_TRUE(Agent(server_->port(), "block").has_offer());
 }
 
-TEST_F(ServerUdp, KeysAreThoseOfOneAgentAndEndWithItsWebSocket) {
+TEST_F(ServerUdp, KeysBelongToOneAgentAndEndWithItsWebSocket) {
   start_with_udp();
   create("block");
   EXPECT_FALSE(Agent(server_->port(), "block", false).has_offer());
@@ -213,7 +213,7 @@ TEST_F(ServerUdp, KeysAreThoseOfOneAgentAndEndWithItsWebSocket) {
 }
 
 // A session cuts a wide motion in several turns and reads other agents' frames in between.
-TEST_F(ServerUdp, ABatchThatIsCutInTurnsComesBeforeTheToolAndTheSamplesBehindIt) {
+TEST_F(ServerUdp, BatchCutInTurnsKeepsItsOrder) {
   start_with_udp();
   const auto carve = [this](const std::string& session, bool udp) {
     create(session);
@@ -246,7 +246,7 @@ TEST_F(ServerUdp, ABatchThatIsCutInTurnsComesBeforeTheToolAndTheSamplesBehindIt)
   EXPECT_EQ(carve("udp", true), plain);
 }
 
-TEST_F(ServerUdp, AFloodOfOneIsDroppedAndOthersAreAnswered) {
+TEST_F(ServerUdp, FloodIsDroppedAndOtherAgentsAreAnswered) {
   start_with_udp();
   create("block");
   Agent flood(server_->port(), "block"), other(server_->port(), "block", false);

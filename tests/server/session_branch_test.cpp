@@ -83,7 +83,7 @@ TEST_F(Branches, BeginAsTheParentWasToTheBit) {
   EXPECT_EQ(session_->sequence(), last);
 }
 
-TEST_F(Branches, CarryOnWithTheStrokesOfTheParent) {
+TEST_F(Branches, UndoStrokesOfTheParent) {
   carve();
   const std::uint64_t parent_hash = hash(), parent_last = session_->sequence();
   auto parent = std::exchange(session_, branch("other", c_ + 19));
@@ -116,7 +116,7 @@ TEST_F(Branches, CarryOnWithTheStrokesOfTheParent) {
   EXPECT_EQ(session_->strokes(0)->size(), 4U);
 }
 
-TEST_F(Branches, OfTheUntouchedBlockHaveItsTools) {
+TEST_F(Branches, FromTheUntouchedBlockHaveItsTools) {
   carve();
   session_ = branch("fresh", 0);
   EXPECT_EQ(hash(), Sculpture::create(session_->scene().settings)->state_hash());
@@ -139,7 +139,7 @@ TEST_F(Branches, HaveNoAgentsOfTheParent) {
   EXPECT_GT(joined->participant.id, admitted->participant.id);
 }
 
-TEST_F(Branches, OfAJournalOfVersion1HaveItsRecords) {
+TEST_F(Branches, FromVersion1HaveItsRecords) {
   carve();
   ASSERT_TRUE(session_->flush());
   std::vector<JournalRecord> records;
@@ -177,7 +177,7 @@ TEST_F(Branches, OfAJournalOfVersion1HaveItsRecords) {
   EXPECT_EQ(replay(copy)->hash.hash, block.state_hash());
 }
 
-TEST_F(Branches, NeedAFreeIdAndARecordThatIsCommitted) {
+TEST_F(Branches, NeedAFreeIdAndACommittedRecord) {
   carve();
   EXPECT_EQ(registry_->branch("block", *session_, 5).error().code, RegistryErrorCode::kExists);
   EXPECT_EQ(registry_->branch("Bad id", *session_, 5).error().code, RegistryErrorCode::kBadId);
@@ -187,7 +187,7 @@ TEST_F(Branches, NeedAFreeIdAndARecordThatIsCommitted) {
   EXPECT_TRUE(branch("beyond", 5));
 }
 
-TEST_F(Branches, ThatWereNotFinishedAreNoSessions) {
+TEST_F(Branches, UnfinishedFilesAreNoSessions) {
   carve();
   const auto leave_copy = [&] {
     for (const char* end : {".kerf.tmp", ".kerf.tmp-wal"}) {
@@ -233,7 +233,7 @@ class LargeJournal : public testing::Test {
 
 using LargeJournalDeathTest = LargeJournal;
 
-TEST_F(LargeJournalDeathTest, OfWhichABranchIsHalfWrittenLeavesNoJournal) {
+TEST_F(LargeJournalDeathTest, CrashWhileBranchingLeavesNoPartialJournal) {
   // The system kills a process that enlarges a file beyond this limit.
   for (const rlim_t bytes : {rlim_t{20'000}, rlim_t{200'000}, rlim_t{kRows * kRowBytes}}) {
     const auto branch_in_vain = [&] {

@@ -95,7 +95,7 @@ class SessionCores : public SessionTest {
   std::array<ParticipantId, kAgents> agents{};
 };
 
-TEST_F(SessionCores, GiveTheBytesOfOneThreadInTheOrderOfTheJournal) {
+TEST_F(SessionCores, GiveTheBytesOfOneThread) {
   test::ThreadWorkers two(2), five(5);
   test::ShuffledWorkers shuffled;
   Workers* const all_workers[] = {&two, &five, &shuffled};
@@ -157,7 +157,7 @@ TEST_F(SessionCores, GiveTheBytesOfOneThreadInTheOrderOfTheJournal) {
 
 // The tools are far apart, so that none touches another one's cut. Without the obstacle, resting
 // tools keep the force of the previous motion, which may be of the same frame.
-TEST_F(SessionCores, GiveFramesOfSeveralSamplesTheResultsOfOneThread) {
+TEST_F(SessionCores, GiveTheResultsOfOneThread) {
   for (const std::string rays : {"dexel", "free"}) {
     SCOPED_TRACE(rays);
     constexpr std::size_t kFrames = 6, kSamples = 5;
@@ -235,7 +235,7 @@ TEST_F(SessionOnTwoCores, CarveFramesOfSeveralSamples) {
   EXPECT_EQ(session->solid().hash(), replayed_hash(*session));
 }
 
-TEST_F(SessionOnTwoCores, CutALongMotionInPiecesAfterTheOthers) {
+TEST_F(SessionOnTwoCores, CutALongMotionInPiecesLast) {
   const std::array mill = {next(0, 0, 1), next(0, 0, -1)};
   std::array wide = mill;
   for (wire::MotionSample& sample : wide) sample.tool_id = 3;
@@ -260,7 +260,7 @@ TEST_F(SessionOnTwoCores, AWideMotionTakesATurnsWorkOfOneThread) {
   EXPECT_GE(turns, 625 / kTilesPerTurn);
 }
 
-TEST_F(SessionOnTwoCores, DropWhatWaitsWhenItsAgentLeaves) {
+TEST_F(SessionOnTwoCores, DropQueuedBatchesWhenTheirAgentLeaves) {
   const std::array first = {next(-20, 0, -2), next(-19, 0, -2)};
   const std::array second = {next(20, 0, -2), next(21, 0, -2)};
   ASSERT_FALSE(session->begin_move(agents[0], first));
@@ -285,7 +285,7 @@ TEST_F(SessionOnTwoCores, RejectTheMotionsOfAMutedAgentOnly) {
   EXPECT_GT(finish(1).result.removed_mm3, 0);
 }
 
-TEST_F(SessionOnTwoCores, AnswerAnAgentThatMovesAloneAtOnce) {
+TEST_F(SessionOnTwoCores, AnswerALoneAgentAtOnce) {
   for (std::size_t a = 1; a < kAgents; ++a) session->leave(agents[a]);
   const std::array samples = {next(-20, 0, -2), next(-19, 0, -2)};
   EXPECT_TRUE(session->begin_move(agents[0], samples));

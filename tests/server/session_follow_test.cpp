@@ -81,7 +81,7 @@ class SessionFollow : public SessionUndo {
   std::shared_ptr<Session> follower_;
 };
 
-TEST_F(SessionFollow, ItsBlockIsThatOfItsOwnerThroughRandomCutsUndoAndRedo) {
+TEST_F(SessionFollow, BlockEqualsTheOwnersThroughRandomCutsUndoAndRedo) {
   std::mt19937 chance(20);
   const auto pick = [&](double from, double to) {
     return std::uniform_real_distribution(from, to)(chance);
@@ -119,7 +119,7 @@ TEST_F(SessionFollow, ItsBlockIsThatOfItsOwnerThroughRandomCutsUndoAndRedo) {
   EXPECT_EQ(on_follower([&] { return follower_->sequence(); }), session_->sequence());
 }
 
-TEST_F(SessionFollow, AStrokeThatChangesAgainWhileItIsTakenOutIsAsItsOwnerLeftIt) {
+TEST_F(SessionFollow, StrokeChangedDuringItsUndoEndsAsOwnerLeftIt) {
   create();
   const ParticipantId ada = join("Ada");
   const StrokeId under = stroke(ada, {-15, 0, -2}, {15, 0, -2}, 1500);
@@ -135,7 +135,7 @@ TEST_F(SessionFollow, AStrokeThatChangesAgainWhileItIsTakenOutIsAsItsOwnerLeftIt
 
 // The tiles of the stroke are carved again from the records and replaced. Cuts made in the meantime
 // are not among these records.
-TEST_F(SessionFollow, WhatItsOwnerCutsWhileAStrokeIsTakenOutStaysInItsBlock) {
+TEST_F(SessionFollow, CutsDuringAnUndoStayInTheBlock) {
   create();
   const ParticipantId ada = join("Ada"), bo = join("Bo");
   const StrokeId under = stroke(bo, {-15, 0, -2}, {15, 0, -2}, 1500);
@@ -157,7 +157,7 @@ TEST_F(SessionFollow, WhatItsOwnerCutsWhileAStrokeIsTakenOutStaysInItsBlock) {
   EXPECT_GT(meanwhile, 0) << "the strokes are taken out too soon: make the stroke longer";
 }
 
-TEST_F(SessionFollow, ItsJournalIsOneWithWhichAServerGoesOn) {
+TEST_F(SessionFollow, JournalCanBeContinuedByAServer) {
   create();
   const ParticipantId ada = join("Ada");
   const StrokeId first = stroke(ada, {-10, 0, -2}, {10, 0, -2});
@@ -180,7 +180,7 @@ TEST_F(SessionFollow, ItsJournalIsOneWithWhichAServerGoesOn) {
   EXPECT_FALSE(opened->is_followed());
 }
 
-TEST_F(SessionFollow, NothingChangesItButTheRecordsOfItsOwner) {
+TEST_F(SessionFollow, OnlyTheOwnersRecordsChangeIt) {
   create();
   const ParticipantId ada = join("Ada");
   stroke(ada, {-10, 0, -2}, {10, 0, -2});
@@ -205,7 +205,7 @@ TEST_F(SessionFollow, NothingChangesItButTheRecordsOfItsOwner) {
   EXPECT_EQ(before, hash());
 }
 
-TEST_F(SessionFollow, ABlockThatDiffersFromItsOwnersIsNoticed) {
+TEST_F(SessionFollow, DifferenceFromTheOwnerIsDetected) {
   create();
   const ParticipantId ada = join("Ada");
   stroke(ada, {-10, 0, -2}, {10, 0, -2});
@@ -222,7 +222,7 @@ TEST_F(SessionFollow, ABlockThatDiffersFromItsOwnersIsNoticed) {
   EXPECT_NE(other.error().find("at its owner"), std::string::npos) << other.error();
 }
 
-TEST_F(SessionFollow, ViewersAreShownTheParticipantsOfItsOwner) {
+TEST_F(SessionFollow, ViewersSeeTheOwnersParticipants) {
   create();
   const ParticipantId ada = join("Ada");
   stroke(ada, {-10, 0, -2}, {10, 0, -2});

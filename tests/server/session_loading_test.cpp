@@ -46,7 +46,7 @@ class SessionLoading : public SessionTest {
   std::optional<Api> api;
 };
 
-TEST_F(SessionLoading, RequestsForASessionThatIsNotLoadedYetSaySoAndWhenToComeAgain) {
+TEST_F(SessionLoading, RequestsForALoadingSessionGetARetryTime) {
   leave_sessions({"a", "b"});
   const ApiResponse asked = ask("GET", "/v1/sessions/b");
   EXPECT_EQ(asked.status, 503U);
@@ -74,7 +74,7 @@ TEST_F(SessionLoading, RequestsForASessionThatIsNotLoadedYetSaySoAndWhenToComeAg
   for (const auto& [id, hash] : hashes) EXPECT_EQ(registry->find(id)->current_hash()->hash, hash);
 }
 
-TEST_F(SessionLoading, SessionsThatAreLoadingCount) {
+TEST_F(SessionLoading, LoadingSessionsCount) {
   leave_sessions({"a", "b", "c", "d"});
   EXPECT_EQ(body(ask("POST", "/v1/sessions?id=e"))["error"]["code"], "too_many_sessions");
   LoadReport report;
@@ -84,7 +84,7 @@ TEST_F(SessionLoading, SessionsThatAreLoadingCount) {
   EXPECT_EQ(body(ask("POST", "/v1/sessions?id=e"))["error"]["code"], "too_many_sessions");
 }
 
-TEST_F(SessionLoading, AStrangerLearnsHowManySessionsAreNotReadyAndNotTheirNames) {
+TEST_F(SessionLoading, StrangersSeeOnlyNumbersOfSessions) {
   leave_sessions({"a", "b"});
   access = *Access::open({.admin_token = std::string(40, 'x')});
   api.emplace(options, *registry, metrics, *access);
@@ -95,7 +95,7 @@ TEST_F(SessionLoading, AStrangerLearnsHowManySessionsAreNotReadyAndNotTheirNames
   EXPECT_EQ(ready["unreadable"], 0);
 }
 
-TEST_F(SessionLoading, ASessionThatIsAskedForIsLoadedNext) {
+TEST_F(SessionLoading, RequestedSessionIsLoadedNext) {
   leave_sessions({"a", "b", "c"});
   registry->hasten("c");
   registry->hasten("unknown");
@@ -105,7 +105,7 @@ TEST_F(SessionLoading, ASessionThatIsAskedForIsLoadedNext) {
   EXPECT_FALSE(registry->find("a"));
 }
 
-TEST_F(SessionLoading, SessionsAreLoadedSideBySideAndABrokenJournalStopsNoOther) {
+TEST_F(SessionLoading, SessionsLoadInParallelDespiteABrokenJournal) {
   std::ofstream(folder / "broken.kerf") << std::string(5000, 'x');
   leave_sessions({"a", "b", "c", "d"});
   std::vector<LoadReport> reports(3);
@@ -130,7 +130,7 @@ TEST_F(SessionLoading, SessionsAreLoadedSideBySideAndABrokenJournalStopsNoOther)
   for (const auto& [id, hash] : hashes) EXPECT_EQ(registry->find(id)->current_hash()->hash, hash);
 }
 
-TEST_F(SessionLoading, OnlyAFailureOfTheDiskIsTriedAgain) {
+TEST_F(SessionLoading, OnlyDiskFailuresAreRetried) {
   leave_sessions({"a"});
   int tries = 0;
   const auto load_with = [&](std::function<void()> fail) {
@@ -164,7 +164,7 @@ TEST_F(SessionLoading, OnlyAFailureOfTheDiskIsTriedAgain) {
   EXPECT_EQ(tries, 3);
 }
 
-TEST_F(SessionLoading, AServerThatStopsLoadsNoFurtherSessionAndReportsNoFailure) {
+TEST_F(SessionLoading, StoppingServerLoadsNothingMore) {
   leave_sessions({"a", "b"});
   LoadReport report;
   registry->stop_loading();

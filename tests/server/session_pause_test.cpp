@@ -78,7 +78,7 @@ TEST_F(SessionPause, MotionsAreRejectedWhileTheDiskIsFullAndNothingAcceptedIsLos
   EXPECT_TRUE(move(*session, id, 0.2, 0, -5).rejections.empty());
 }
 
-TEST_F(SessionPause, AnAgentResumesOnlyWhenItsSamplesCanBeJournaled) {
+TEST_F(SessionPause, AgentsResumeOnlyWhileTheJournalAcceptsSamples) {
   registry->load_all();
   const auto session = start();
   JoinRequest request{.kind = ParticipantKind::kAgent, .name = "Ada", .color = "", .durable = true};

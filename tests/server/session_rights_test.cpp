@@ -38,7 +38,7 @@ class SessionRightsTest : public SessionTest {
   std::shared_ptr<Session> session;
 };
 
-TEST_F(SessionRightsTest, WatchersWatch) {
+TEST_F(SessionRightsTest, WatchersCannotCut) {
   EXPECT_EQ(join_as(Role::kWatcher).error().code, ErrorCode::kNotAllowed);
   EXPECT_EQ(join_as(Role::kNobody, "", ParticipantKind::kViewer).error().code,
             ErrorCode::kNotAllowed);
@@ -66,7 +66,7 @@ TEST_F(SessionRightsTest, AMutedParticipantCutsNothingUntilUnmuted) {
   EXPECT_FALSE(session->set_muted(99, true));
 }
 
-TEST_F(SessionRightsTest, AMuteConcernsThePersonAndItsResumption) {
+TEST_F(SessionRightsTest, MuteAppliesToThePersonAndAfterResuming) {
   JoinRequest request{ParticipantKind::kAgent, "Ada", "", 0, true};
   request.durable = true;
   const auto admission = session->admit(request);
@@ -118,7 +118,7 @@ TEST_F(SessionRightsTest, ARemovedAgentCannotResumeAfterARestart) {
   EXPECT_FALSE(session->admit(grace)->resumed);
 }
 
-TEST_F(SessionRightsTest, OneNetworkOfGuestsDoesNotKeepOthersOut) {
+TEST_F(SessionRightsTest, OneNetworkOfGuestsCannotExcludeAnother) {
   JoinRequest guest{ParticipantKind::kAgent, "Eve", "", 0, true};
   guest.role = Role::kGuest;
   guest.network = "10.0.0.1";
@@ -131,7 +131,7 @@ TEST_F(SessionRightsTest, OneNetworkOfGuestsDoesNotKeepOthersOut) {
   EXPECT_TRUE(session->join(guest));
 }
 
-TEST_F(SessionRightsTest, OfTwoChangesOfRegionsTheNewestStays) {
+TEST_F(SessionRightsTest, NewestOfTwoRegionChangesWins) {
   net::HttpOptions options;
   options.data_folder = folder.path();
   const net::Metrics metrics;
@@ -179,7 +179,7 @@ TEST_F(SessionRightsTest, ProgramsEndWithTheGrantOfTheirAuthor) {
   EXPECT_EQ(session->program(other->id)->state, ProgramState::kRunning);
 }
 
-TEST_F(SessionRightsTest, ASculptorWhoBecomesAWatcherStopsCutting) {
+TEST_F(SessionRightsTest, DemotedSculptorStopsCutting) {
   const ParticipantId id = join_as(Role::kSculptor, "pass")->id;
   cut_to(id, 0, 0, -1);
   session->set_role_of("pass", Role::kWatcher);
@@ -189,7 +189,7 @@ TEST_F(SessionRightsTest, ASculptorWhoBecomesAWatcherStopsCutting) {
   EXPECT_EQ(session->participant(id)->role, Role::kOwner);
 }
 
-TEST_F(SessionRightsTest, GuestsAreFewAndSlow) {
+TEST_F(SessionRightsTest, GuestsAreLimitedInNumberAndSpeed) {
   std::vector<ParticipantId> guests;
   for (std::size_t n = 0; n < limits.guest_agents_max; ++n) {
     const auto guest = join_as(Role::kGuest);

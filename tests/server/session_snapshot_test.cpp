@@ -133,7 +133,7 @@ class Crowd {
   std::vector<Agent> agents_;
 };
 
-TEST_F(SessionSnapshots, ARestoredBlockIsThatOfAFullReplayWhereverTheJournalEnds) {
+TEST_F(SessionSnapshots, RestoredBlockEqualsAFullReplay) {
   const auto cut = folder / "cut.kerf";
   int restored_from_one = 0, ends = 0;
   limits.speed_mm_per_s = limits.samples_per_s = limits.samples_burst = 1e12;
@@ -201,7 +201,7 @@ TEST_F(SessionSnapshots, ReadingFromAnyRecordGivesTheRecordsOfAFullReading) {
   }
 }
 
-TEST_F(SessionSnapshots, ASnapshotThatDoesNotFitIsIgnoredAndNamed) {
+TEST_F(SessionSnapshots, MismatchedSnapshotIsIgnoredAndNamed) {
   leave(200);
   const auto expected = replay(journal());
   const auto file = snapshot_file(journal());
@@ -243,7 +243,7 @@ TEST_F(SessionSnapshots, ASnapshotThatDoesNotFitIsIgnoredAndNamed) {
   expect_ignored("records that the journal does not have");
 }
 
-TEST_F(SessionSnapshots, TheOneBeforeADamagedNewestOneIsUsed) {
+TEST_F(SessionSnapshots, PreviousSnapshotReplacesADamagedOne) {
   const auto session = start();
   const auto id = join(*session);
   for (int n = 0; n <= 300; ++n) {
@@ -294,7 +294,7 @@ TEST_F(SessionSnapshots, TheOneBeforeADamagedNewestOneIsUsed) {
             "it is not a snapshot of Kerf; the one before it: it is not a snapshot of Kerf");
 }
 
-TEST_F(SessionSnapshots, TheFirstOneAfterAFullReplayRemovesAnOlderOne) {
+TEST_F(SessionSnapshots, FirstSnapshotAfterAFullReplayRemovesTheOlderOne) {
   leave(200);
   std::ofstream(snapshot_file(journal())) << "of another version";
   std::ofstream(previous_snapshot_file(journal())) << "of another version";
@@ -319,7 +319,7 @@ TEST_F(SessionSnapshots, TheSnapshotOfAnEarlierSessionOfThatNameIsIgnored) {
   EXPECT_EQ(restored->snapshot_fault, "it is of another journal");
 }
 
-TEST_F(SessionSnapshots, ItFollowsItsJournalWhenTheSessionIsClosed) {
+TEST_F(SessionSnapshots, SnapshotMovesWithTheClosedJournal) {
   const auto at_once = std::make_shared<AtOnce>();
   for (const bool purge : {false, true}) {
     snapshots.writer = at_once.get();
@@ -343,7 +343,7 @@ TEST_F(SessionSnapshots, ItFollowsItsJournalWhenTheSessionIsClosed) {
   }
 }
 
-TEST_F(SessionSnapshots, AServerThatEndsWritesALastOne) {
+TEST_F(SessionSnapshots, EndingServerWritesALastSnapshot) {
   const auto at_once = std::make_shared<AtOnce>();
   snapshots.limits.pause = std::chrono::hours(1);  // none but the first and the last
   restart();

@@ -16,7 +16,7 @@
 namespace kerf {
 namespace {
 
-TEST_F(SessionUndo, LeavesTheBlockInWhichTheStrokeNeverHappened) {
+TEST_F(SessionUndo, LeavesTheBlockWithoutTheStroke) {
   create();
   const ParticipantId ada = join("Ada"), bo = join("Bo");
   stroke(ada, {-15, 0, -2}, {15, 0, -2});
@@ -54,7 +54,7 @@ TEST_F(SessionUndo, TheNewestStrokeOfAParticipantComesFirst) {
   EXPECT_EQ(hash(), never_happened());
 }
 
-TEST_F(SessionUndo, TheNewestStrokeIsTheOneWhenTheRequestCame) {
+TEST_F(SessionUndo, NewestStrokeIsThatAtTheRequest) {
   create();
   const ParticipantId ada = join("Ada"), bo = join("Bo");
   const StrokeId a = stroke(ada, {-15, 0, -2}, {15, 0, -2});
@@ -92,7 +92,7 @@ TEST_F(SessionUndo, TheNewestStrokeIsTheOneWhenTheRequestCame) {
   EXPECT_EQ(hash(), never_happened());
 }
 
-TEST_F(SessionUndo, OthersCarveWhileTilesAreCarvedAgain) {
+TEST_F(SessionUndo, ParticipantsCarveDuringAnUndo) {
   create();
   const ParticipantId ada = join("Ada"), bo = join("Bo");
   std::vector<StrokeId> strokes;
@@ -145,7 +145,7 @@ TEST_F(SessionUndo, AnUndoneStrokeIsNotContinued) {
   EXPECT_NE(hash(), Sculpture::create(session_->scene().settings)->state_hash());
 }
 
-TEST_F(SessionUndo, AToolThatCutsElsewhereCarvesOn) {
+TEST_F(SessionUndo, ToolElsewhereContinuesToCut) {
   create();
   const ParticipantId ada = join("Ada"), bo = join("Bo");
   const StrokeId a = stroke(ada, {10, 10, -3}, {16, 16, -3});
@@ -158,7 +158,7 @@ TEST_F(SessionUndo, AToolThatCutsElsewhereCarvesOn) {
   EXPECT_EQ(hash(), never_happened());
 }
 
-TEST_F(SessionUndo, AMotionInPiecesIsCompletedBeforeItsStrokeIsTakenOut) {
+TEST_F(SessionUndo, MotionInPiecesIsCompletedBeforeItsUndo) {
   std::string scene = kScene;
   scene.replace(scene.find("\"pitch_mm\": 0.5"), 15, "\"pitch_mm\": 0.05");
   create(scene);
@@ -206,7 +206,7 @@ class ResumedUndo : public SessionUndo {
   ParticipantId ada_ = 0;
 };
 
-TEST_F(ResumedUndo, AnAgentThatResumesAfterARestartBeginsAStroke) {
+TEST_F(ResumedUndo, ResumingAfterARestartBeginsAStroke) {
   EXPECT_EQ(hash(), never_happened());
   reload();
   const auto resumed = session_->admit(request_);
@@ -250,7 +250,7 @@ TEST_F(SessionUndo, ARestartGivesTheSameBlock) {
   EXPECT_GT(verified->hashes_compared, 0U);
 }
 
-TEST_F(SessionUndo, ThePastIsTheBlockAfterARecordToTheBit) {
+TEST_F(SessionUndo, PastEqualsTheBlockAfterARecordToTheBit) {
   create();
   const ParticipantId ada = join("Ada"), bo = join("Bo");
   std::map<std::uint64_t, std::uint64_t> hashes = {{0, hash()}};
@@ -303,7 +303,7 @@ TEST_F(SessionUndo, ExportsLeaveUndoneStrokesOut) {
   EXPECT_EQ(std::ranges::count(forces.str(), '\n'), 1 + 40);
 }
 
-TEST_F(SessionUndo, RequestsThatMakeNoSenseOrAreNotAllowedChangeNothing) {
+TEST_F(SessionUndo, InvalidOrForbiddenRequestsChangeNothing) {
   create();
   const ParticipantId ada = join("Ada"), bo = join("Bo");
   const StrokeId a = stroke(ada, {-15, 0, -2}, {15, 0, -2});
@@ -341,7 +341,7 @@ TEST_F(SessionUndo, RequestsThatMakeNoSenseOrAreNotAllowedChangeNothing) {
   EXPECT_EQ(session_->sequence(), records + 2);
 }
 
-TEST_F(SessionUndo, WhatCouldNotBeCarvedIsCarvedLater) {
+TEST_F(SessionUndo, FailedCarvingIsRetried) {
   create();
   const ParticipantId ada = join("Ada");
   const std::uint64_t untouched = hash();

@@ -46,7 +46,7 @@ class SnapshotFaults : public SessionTest {
   test::ManualExecutor writer;
 };
 
-TEST_F(SnapshotFaults, AShortFileThatStatesALongChunkIsIgnoredWithoutMemoryForIt) {
+TEST_F(SnapshotFaults, ShortFileWithALongChunkAllocatesNothing) {
   leave();
   // A Zstandard frame of one repeated byte: 4,294,967,295 bytes according to its header.
   const std::array<unsigned char, 13> packed = {0x28, 0xB5, 0x2F, 0xFD, 0xA0, 0xFF, 0xFF,
@@ -73,7 +73,7 @@ TEST_F(SnapshotFaults, AShortFileThatStatesALongChunkIsIgnoredWithoutMemoryForIt
   EXPECT_EQ(restored->hash.hash, replay(journal())->hash.hash);
 }
 
-TEST_F(SnapshotFaults, OneThatDoesNotFitInMemoryIsIgnored) {
+TEST_F(SnapshotFaults, SnapshotThatExceedsMemoryIsIgnored) {
 #ifdef KERF_TEST_SANITIZED
   GTEST_SKIP() << "sanitizers do not let an allocation fail";
 #endif
@@ -97,7 +97,7 @@ TEST_F(SnapshotFaults, OneThatDoesNotFitInMemoryIsIgnored) {
   EXPECT_EQ(restored->hash.hash, replay(journal())->hash.hash);
 }
 
-TEST_F(SnapshotFaults, OneThatAKilledServerDidNotFinishIsRemoved) {
+TEST_F(SnapshotFaults, UnfinishedSnapshotIsRemoved) {
   const auto unfinished = unfinished_file(snapshot_file(journal()));
   leave();
   std::ofstream(unfinished) << "half";
@@ -110,7 +110,7 @@ TEST_F(SnapshotFaults, OneThatAKilledServerDidNotFinishIsRemoved) {
   EXPECT_FALSE(std::filesystem::exists(unfinished));
 }
 
-TEST_F(SnapshotFaults, AnExceptionWhileOneIsWrittenDoesNotPreventTheNext) {
+TEST_F(SnapshotFaults, ExceptionDoesNotPreventTheNextSnapshot) {
   snapshots.on_failure = [](const std::string&, const std::string& reason) {
     throw std::runtime_error(reason);
   };

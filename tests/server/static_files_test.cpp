@@ -105,7 +105,7 @@ TEST_F(StaticFilesTest, AClientThatHasTheBytesGets304) {
   EXPECT_EQ(get({}, "br", etag).status, 200U);
 }
 
-TEST_F(StaticFilesTest, OnlyNamesWithAHashAreKeptForever) {
+TEST_F(StaticFilesTest, OnlyHashedNamesAreCachedForever) {
   const std::string forever = "public, max-age=31536000, immutable";
   EXPECT_EQ(header(get({"assets", "index-1.js"}, "gzip"), "Cache-Control"), forever);
   EXPECT_EQ(header(get({"font.woff2"}, "gzip"), "Cache-Control"), "no-cache");

@@ -112,7 +112,7 @@ TEST_P(StockFeedTest, SendsCutsMadeBeforeTheAgentArrived) {
   expect_equal_near({30, 30, 2});
 }
 
-TEST_P(StockFeedTest, SendsCutsOfOthersNearTheTool) {
+TEST_P(StockFeedTest, SendsForeignCutsNearTheTool) {
   follow({30, 30, 2});
   cut_own({30, 30, -2}, {36, 30, -2});
   cut_other({33, 25, -4}, {33, 40, -4});
@@ -138,7 +138,7 @@ TEST_P(StockFeedTest, DoesNotSendDistantCuts) {
   expect_equal_near({360, 90, -1});
 }
 
-TEST_P(StockFeedTest, SendsTheWholeBlockWhereItIsWanted) {
+TEST_P(StockFeedTest, SendsTheWholeBlockOnRequest) {
   feed_ = StockFeed(true, true);
   cut_other({350, 90, -4}, {380, 90, -4});
   follow({30, 30, 2});
@@ -221,7 +221,7 @@ TEST_P(StockFeedTest, ResetStartsANewReplica) {
   expect_equal_near({30, 30, -8});
 }
 
-TEST_P(StockFeedTest, TilesToWhichStockHasComeBackBeginAgain) {
+TEST_P(StockFeedTest, TilesWithReturnedStockAreResent) {
   feed_ = StockFeed(true);
   cut_other({20, 20, -4}, {60, 50, -4});
   follow({30, 30, 2});
@@ -247,7 +247,7 @@ TEST_P(StockFeedTest, TilesToWhichStockHasComeBackBeginAgain) {
   expect_equal_near({34, 20, -8});
 }
 
-TEST_P(StockFeedTest, TilesThatAreWholeAgainAreUnknownUntilTheyAreSent) {
+TEST_P(StockFeedTest, RestoredTilesAreUnknownUntilSent) {
   feed_ = StockFeed(true);
   cut_other({20, 20, -4}, {60, 50, -4});
   follow({30, 30, 2});
@@ -266,7 +266,7 @@ TEST_P(StockFeedTest, TilesThatAreWholeAgainAreUnknownUntilTheyAreSent) {
   expect_equal_near({30, 30, 2});
 }
 
-TEST_P(StockFeedTest, DistantTilesThatHaveComeBackAreSentWhenTheToolComes) {
+TEST_P(StockFeedTest, DistantReturnedTilesAreSentWhenTheToolArrives) {
   feed_ = StockFeed(true);
   cut_other({300, 20, -4}, {340, 50, -4});
   follow({310, 30, 2});
@@ -284,7 +284,7 @@ TEST_P(StockFeedTest, DistantTilesThatHaveComeBackAreSentWhenTheToolComes) {
   expect_equal_near({310, 30, 2});
 }
 
-TEST_P(StockFeedTest, ReplicasThatDoNotTakeTilesBackOrTooManyBeginAgain) {
+TEST_P(StockFeedTest, ReplicasRestartIfTheyCannotTakeTilesBack) {
   cut_other({20, 20, -4}, {60, 50, -4});
   follow({30, 30, 2});
   undo_near({30, 28, -4});
@@ -317,7 +317,7 @@ TEST_P(StockFeedTest, SendsTheNearestTilesFirst) {
   expect_equal_near({200, 50, -1});
 }
 
-TEST_P(StockFeedTest, ReplicaStaysCorrectOnALongPathAmongOthers) {
+TEST_P(StockFeedTest, ReplicaStaysCorrectOnALongSharedPath) {
   for (int n = 0; n < 300; ++n) {
     const double x = 20 + n, y = 50 + 30 * ((n % 20) / 20.0);
     cut_own(tip_ == Vec3{} ? Vec3{x, y, -2} : tip_, {x, y, -2.0 - n % 3});

@@ -38,7 +38,7 @@ bool exists(const std::string& name, const std::string& tests) {
   return false;
 }
 
-TEST(ThreatModel, EveryTestThatItNamesExists) {
+TEST(ThreatModel, EveryNamedTestExists) {
   const std::string tests = all_tests();
   std::istringstream model(read(KERF_SOURCE_DIR "/server/SECURITY.md"));
   int rows = 0;
@@ -60,7 +60,7 @@ TEST(ThreatModel, EveryTestThatItNamesExists) {
   EXPECT_GT(rows, 15);
 }
 
-TEST(ThreatModel, ANameThatNoTestHasIsNoticed) {
+TEST(ThreatModel, UnknownTestNameIsDetected) {
   const std::string tests = "TEST(Suite, Name) {}\n  def test_name(self):";
   EXPECT_TRUE(exists("Suite.Name", tests));
   EXPECT_TRUE(exists("test_name", tests));

@@ -101,7 +101,7 @@ TEST_P(TileDetailOfRays, CoarserLevelsHaveFewerTrianglesWithinTheirError) {
   }
 }
 
-TEST_P(TileDetailOfRays, CoarserLevelsKeepWhatIsOriginalOfTheirVertices) {
+TEST_P(TileDetailOfRays, CoarserLevelsKeepOriginalSurfaceFlags) {
   Sculpture sculpture = carved_block(3, GetParam(), 4);
   const auto exact = test::mesh_all(sculpture.solid());
   std::size_t original = 0, all = 0;

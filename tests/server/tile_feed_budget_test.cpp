@@ -118,7 +118,7 @@ TEST_P(TileFeedBudgetTest, TheViewerGetsEveryTileAtItsLevelOnceTheChangesStop) {
   }
 }
 
-TEST_P(TileFeedBudgetTest, ATileThatChangesIsNeverOldWhateverTheBlockLacks) {
+TEST_P(TileFeedBudgetTest, ChangingTileIsNeverStale) {
   Limited viewer(feed_, 200'000);
   settle(viewer);
   const ViewerId reference = feed_.add_viewer();
@@ -145,7 +145,7 @@ TEST_P(TileFeedBudgetTest, ATileThatChangesIsNeverOldWhateverTheBlockLacks) {
   EXPECT_LT(oldest_s, 1.0);
 }
 
-TEST_P(TileFeedBudgetTest, AChangeLeavesAtOnceWhileOthersComeToTheirLevel) {
+TEST_P(TileFeedBudgetTest, ChangesAreSentBeforeRefinements) {
   Limited viewer(feed_, 200'000);
   settle(viewer);
   for (int n = 0; n < 8; ++n) cut();
@@ -184,7 +184,7 @@ TEST_P(TileFeedBudgetTest, ACoarseTileHasNoCracksToExactOnes) {
   EXPECT_GT(mixed, 10);
 }
 
-TEST_P(TileFeedBudgetTest, ViewersWithoutABudgetGetTheSameFramesBesideOneThatHasOne) {
+TEST_P(TileFeedBudgetTest, LimitedViewerDoesNotAffectUnlimitedOnes) {
   TileFeed other(sculpture_.solid(), 0);
   const ViewerId alone = other.add_viewer();
   const ViewerId beside = feed_.add_viewer();
@@ -232,7 +232,7 @@ TEST_P(TileFeedBudgetTest, ViewersOfTheSameBudgetShareTheirFrames) {
             2 * (after.frames_composed - before.frames_composed));
 }
 
-TEST_P(TileFeedBudgetTest, ABudgetMayBeChangedAndTakenBack) {
+TEST_P(TileFeedBudgetTest, BudgetMayBeChangedAndRemoved) {
   const ViewerId viewer = feed_.add_viewer();
   Screen screen;
   screen.drain(feed_, viewer);

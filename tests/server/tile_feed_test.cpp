@@ -90,7 +90,7 @@ TEST_F(TileFeedTest, AFrameOfUnchangedTilesDoesNotEndBeforeTheChangedOnes) {
   EXPECT_GT(feed.stats().tiles_unchanged, 0U);
 }
 
-TEST_F(TileFeedTest, AViewerThatJoinsWithALookGetsEachTileOnce) {
+TEST_F(TileFeedTest, ViewerWithAnInitialLookGetsEachTileOnce) {
   TileFeed feed(sculpture_.solid(), 0);
   cut(feed, 6);
   const ViewerLook look{{20, 15, 3000}, 0.001};

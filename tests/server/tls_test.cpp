@@ -43,14 +43,14 @@ class TlsTest : public testing::Test {
   std::array<int, 2> ends_{-1, -1};
 };
 
-TEST_F(TlsTest, AServerWithoutTlsIsNamedAndFinal) {
+TEST_F(TlsTest, ServerWithoutTlsIsAFinalError) {
   const auto made = channel("kerf.example", "HTTP/1.1 400 Bad Request\r\n\r\n");
   EXPECT_EQ(made->handshake(), TlsStep::kFailed);
   EXPECT_TRUE(made->is_final());
   EXPECT_EQ(made->failure(), "kerf.example does not speak TLS on this port; use http://");
 }
 
-TEST_F(TlsTest, AConnectionThatIsLostDuringTheHandshakeMayBeTriedAgain) {
+TEST_F(TlsTest, ConnectionLostInTheHandshakeMayBeRetried) {
   const auto made = channel("127.0.0.1", "");
   hang_up();
   EXPECT_EQ(made->handshake(), TlsStep::kFailed);
@@ -58,14 +58,14 @@ TEST_F(TlsTest, AConnectionThatIsLostDuringTheHandshakeMayBeTriedAgain) {
   EXPECT_FALSE(made->failure().empty());
 }
 
-TEST_F(TlsTest, AnAlertOfTheServerMayPass) {
+TEST_F(TlsTest, ServerAlertMayBeRetried) {
   const auto made = channel("kerf.example", {"\x15\x03\x03\x00\x02\x02\x50", 7});
   EXPECT_EQ(made->handshake(), TlsStep::kFailed);
   EXPECT_FALSE(made->is_final()) << "an internal error of the server";
   EXPECT_NE(made->failure().find("internal error"), std::string::npos) << made->failure();
 }
 
-TEST_F(TlsTest, AServerThatSpeaksAnotherVersionIsFinal) {
+TEST_F(TlsTest, UnsupportedVersionIsAFinalError) {
   const auto made = channel("kerf.example", {"\x15\x03\x03\x00\x02\x02\x46", 7});
   EXPECT_EQ(made->handshake(), TlsStep::kFailed);
   EXPECT_TRUE(made->is_final());
@@ -109,7 +109,7 @@ class TlsPair : public TlsTest {
   const test::TemporaryFolder folder_;
 };
 
-TEST_F(TlsPair, AClientSaysWhatIsWrongWithACertificate) {
+TEST_F(TlsPair, ClientReportsTheFaultOfACertificate) {
   test::certify(folder_ / "old", {.begins_s = -2 * test::kDayS, .ends_s = -test::kDayS});
   test::certify(folder_ / "next", {.begins_s = test::kDayS, .ends_s = 2 * test::kDayS});
   test::certify(folder_ / "other", {.names = "DNS:other.example"});
@@ -134,7 +134,7 @@ TEST_F(TlsPair, AClientSaysWhatIsWrongWithACertificate) {
   }
 }
 
-TEST_F(TlsPair, NothingOlderThanTls13IsSpoken) {
+TEST_F(TlsPair, VersionsBeforeTls13AreRejected) {
   TlsChannel there(server("good"), ends_[0]);
   const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> rules(SSL_CTX_new(TLS_client_method()),
                                                                 SSL_CTX_free);
@@ -150,7 +150,7 @@ TEST_F(TlsPair, NothingOlderThanTls13IsSpoken) {
   EXPECT_EQ(SSL_get_error(old.get(), -1), SSL_ERROR_SSL) << "and the client knows";
 }
 
-TEST_F(TlsPair, TheEndOfTcpWithoutAnEndOfTlsLosesNothing) {
+TEST_F(TlsPair, TcpEndWithoutTlsEndLosesNothing) {
   TlsChannel there(server("good"), ends_[0]);
   TlsChannel here(client("good"), ends_[1], "localhost");
   ASSERT_TRUE(shake(there, here));
@@ -180,7 +180,7 @@ TEST_F(TlsTest, FilesThatCannotBeUsedAreNamed) {
   EXPECT_NE(client.error().find("/no/such/authority.pem"), std::string::npos);
 }
 
-TEST(TlsCertificate, OneThatIsNotValidNowIsNamedWithItsDates) {
+TEST(TlsCertificate, InvalidDatesAreReported) {
   constexpr long kDay = test::kDayS;
   const test::TemporaryFolder folder;
   const auto load = [&](const char* name, long begins_s, long ends_s) {
@@ -211,7 +211,7 @@ TEST(TlsCertificate, OneThatIsNotValidNowIsNamedWithItsDates) {
   EXPECT_GT(good->current().expires_s(), expires_s);
 }
 
-TEST(TlsCertificate, TheLastOneStaysWhileTheNextCannotBeUsed) {
+TEST(TlsCertificate, OldCertificateStaysWhileTheNextIsUnusable) {
   const test::TemporaryFolder folder;
   test::certify(folder / "first");
   test::certify(folder / "next", {.ends_s = 2 * test::kDayS});

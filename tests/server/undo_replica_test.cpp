@@ -7,7 +7,7 @@ namespace {
 
 using UndoReplica = SessionUndo;
 
-TEST_F(UndoReplica, ReplicasBeginAgainWhereStockHasComeBack) {
+TEST_F(UndoReplica, ReplicasRestartWhereStockReturned) {
   create();
   const ParticipantId ada = join("Ada", true), bo = join("Bo", true);
   const StrokeId a = stroke(ada, {-5, 0, -2}, {5, 0, -2});
@@ -25,7 +25,7 @@ TEST_F(UndoReplica, ReplicasBeginAgainWhereStockHasComeBack) {
   EXPECT_TRUE(update->reset);
 }
 
-TEST_F(UndoReplica, ReplicasLearnThatTheMotionOutOfStockWasNotCut) {
+TEST_F(UndoReplica, ReplicasLearnThatTheMotionOutOfStockIsUncut) {
   create();
   const ParticipantId ada = join("Ada", true), bo = join("Bo");
   stroke(bo, {10, -15, -3}, {10, 15, -3});

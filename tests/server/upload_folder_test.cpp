@@ -53,7 +53,7 @@ TEST_F(Uploads, AreFoundByTheirNamesInQuotes) {
   EXPECT_EQ(named, (std::map<std::string, std::string>{{a, "solid a"}}));
 }
 
-TEST_F(Uploads, OfAnotherDoNotDeleteOnesOwn) {
+TEST_F(Uploads, DoNotDeleteFilesOfOtherOwners) {
   const std::string mine = keep("ada", "mine");
   std::vector<std::string> theirs;
   for (int n = 0; n < 9; ++n) theirs.push_back(keep("bo", "theirs " + std::to_string(n)));
@@ -61,7 +61,7 @@ TEST_F(Uploads, OfAnotherDoNotDeleteOnesOwn) {
   for (std::size_t n = 0; n < theirs.size(); ++n) EXPECT_EQ(is_kept(theirs[n]), n >= 6) << n;
 }
 
-TEST_F(Uploads, AboveTheBytesOfAllTheOneWithMostLosesItsOldest) {
+TEST_F(Uploads, LargestOwnerLosesItsOldestAboveTheByteLimit) {
   const std::string mine = keep("ada", std::string(20, 'a'));
   const std::string old = keep("bo", std::string(40, 'b')),
                     other = keep("bo", std::string(30, 'c'));
@@ -71,7 +71,7 @@ TEST_F(Uploads, AboveTheBytesOfAllTheOneWithMostLosesItsOldest) {
   EXPECT_TRUE(is_kept(mine) && is_kept(other) && is_kept(newest));
 }
 
-TEST_F(Uploads, AboveTheNumberOfAllTheOneWithMostFilesLosesItsOldest) {
+TEST_F(Uploads, LargestOwnerLosesItsOldestAboveTheFileLimit) {
   const std::string mine = keep("ada", std::string(60, 'a'));
   for (int n = 0; n < 3; ++n) keep("bo", "b" + std::to_string(n));
   for (int n = 0; n < 3; ++n) keep("cy", "c" + std::to_string(n));
@@ -79,21 +79,21 @@ TEST_F(Uploads, AboveTheNumberOfAllTheOneWithMostFilesLosesItsOldest) {
   EXPECT_EQ(files(), 6U);
 }
 
-TEST_F(Uploads, JustStoredAreKeptThoughTheirOwnerHasMost) {
+TEST_F(Uploads, JustStoredFileIsKeptEvenOfTheLargestOwner) {
   for (const char* owner : {"ada", "bo", "cy"}) keep(owner, std::string(25, *owner));
   const std::string largest = keep("dee", std::string(50, 'd'));
   EXPECT_TRUE(is_kept(largest));
   EXPECT_EQ(files(), 3U) << "one of the others went";
 }
 
-TEST_F(Uploads, LargerThanTheLimitOfAllTakeThePlaceOfAll) {
+TEST_F(Uploads, FileAboveTheLimitReplacesAll) {
   keep("ada", "a");
   keep("bo", "");
   EXPECT_TRUE(is_kept(keep("cy", std::string(101, 'c'))));
   EXPECT_EQ(files(), 1U);
 }
 
-TEST_F(Uploads, JustStoredAreKeptAfterTheClockWasSetBack) {
+TEST_F(Uploads, JustStoredFileIsKeptAfterTheClockWasSetBack) {
   start_ += std::chrono::hours(2);
   for (int n = 0; n < 3; ++n) keep("ada", "a" + std::to_string(n));
   start_ -= std::chrono::hours(3);
@@ -101,7 +101,7 @@ TEST_F(Uploads, JustStoredAreKeptAfterTheClockWasSetBack) {
   EXPECT_EQ(files(), 3U);
 }
 
-TEST_F(Uploads, AreFoundWhileFoldersOfOthersGo) {
+TEST_F(Uploads, AreFoundWhileOtherFoldersAreRemoved) {
   const std::string mine = keep("ada", "mine");
   std::atomic<bool> is_done = false;
   std::jthread others([&] {
@@ -114,7 +114,7 @@ TEST_F(Uploads, AreFoundWhileFoldersOfOthersGo) {
   while (!is_done) EXPECT_TRUE(is_kept(mine));
 }
 
-TEST_F(Uploads, ThatOlderVersionsHaveStoredAreFound) {
+TEST_F(Uploads, FilesOfOlderVersionsAreFound) {
   fs::create_directories(path_);
   std::ofstream(path_ / "0123456789abcdef.stl") << "solid";
   EXPECT_TRUE(is_kept("0123456789abcdef.stl"));

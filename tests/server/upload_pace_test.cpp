@@ -19,7 +19,7 @@ using std::chrono::seconds;
 using test::Answer;
 using test::Peer;
 
-TEST(UploadPace, AnUploadHasItsFirstSecondsAndThoseOfItsBytes) {
+TEST(UploadPace, TimeHasAMinimumAndGrowsWithTheBytes) {
   EXPECT_EQ(UploadPace().time_for(0), seconds(30));
   EXPECT_EQ(UploadPace().time_for(256 * 1024 - 1), seconds(30));
   EXPECT_EQ(UploadPace().time_for(256 * 1024 * 60), seconds(90));
@@ -73,7 +73,7 @@ class SlowUpload : public testing::Test {
   std::unique_ptr<Server> server_;
 };
 
-TEST_F(SlowUpload, EndsWith408AndGivesItsMemoryBackAtOnce) {
+TEST_F(SlowUpload, EndsWith408AndReleasesItsMemory) {
   start({.kilobytes_per_s = 1'000'000, .time_min = seconds(0)});  // makes any upload too slow
   // Each uses up the client's memory and keeps its connection open.
   std::vector<Peer> peers;
@@ -88,14 +88,14 @@ TEST_F(SlowUpload, EndsWith408AndGivesItsMemoryBackAtOnce) {
   }
 }
 
-TEST_F(SlowUpload, OfAPaceThatIsAllowedIsRead) {
+TEST_F(SlowUpload, AllowedPaceIsAccepted) {
   start({.kilobytes_per_s = 1, .time_min = seconds(3600)});
   const Peer peer = begin();
   for (std::size_t sent = 0; sent < kBytes; ++sent) ASSERT_TRUE(peer.send(" "));
   EXPECT_EQ(answer(peer).status, 400U) << "it is no model";
 }
 
-TEST_F(SlowUpload, HoldsItsMemoryWhileItMayGoOn) {
+TEST_F(SlowUpload, HoldsItsMemoryUntilItsDeadline) {
   start({.kilobytes_per_s = 1, .time_min = seconds(3600)});
   {
     const Peer unfinished = begin();

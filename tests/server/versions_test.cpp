@@ -23,7 +23,7 @@ class VersionsTest : public SessionUndo {
   Versions& versions() { return session_->matters().get<Versions>(); }
 };
 
-TEST_F(VersionsTest, OutlastARestartAndAreNotReplaced) {
+TEST_F(VersionsTest, SurviveARestartAndAreNotReplaced) {
   create();
   const ParticipantId ada = join("Ada");
   stroke(ada, {-15, 0, -2}, {15, 0, -2});
@@ -48,7 +48,7 @@ TEST_F(VersionsTest, OutlastARestartAndAreNotReplaced) {
   }
 }
 
-TEST_F(VersionsTest, ARenamedOneKeepsItsAuthorAndTimes) {
+TEST_F(VersionsTest, RenamedVersionKeepsItsAuthorAndTimes) {
   create();
   NamedVersion first = named("first", 1);
   first.person = "ada's pass";
@@ -104,7 +104,7 @@ TEST_F(VersionsTest, AreLimitedInNumber) {
   EXPECT_EQ(versions().name(named("more", 1)).error().code, "limit");
 }
 
-TEST_F(VersionsTest, ADamagedRowIsLeftOut) {
+TEST_F(VersionsTest, DamagedRowIsLeftOut) {
   create();
   ASSERT_TRUE(versions().name(named("good", 1)));
   ASSERT_TRUE(versions().name(named("bad", 1)));

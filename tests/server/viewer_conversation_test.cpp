@@ -41,7 +41,7 @@ TEST_F(ViewerConversationTest, AHelloIsAnActionThatIsAnsweredAfterTheJoin) {
   EXPECT_EQ(list[0].at("name"), session->scene().name);
 }
 
-TEST_F(ViewerConversationTest, WhoWaitsForItsTurnHasSaidHello) {
+TEST_F(ViewerConversationTest, QueuedViewerNeedsNoSecondHello) {
   send_text(*eve, R"({"type":"hello","name":"Eve"})");
   eve->hello_expired();
   EXPECT_FALSE(eve->finishing());
@@ -165,7 +165,7 @@ TEST_F(ViewerConversationTest, ACameraIsAnAction) {
   EXPECT_EQ(messages(*eve).back().at("code"), "too_fast");
 }
 
-TEST_F(ViewerConversationTest, AnotherBlockBeginsWithAWelcomeAndNumbersItsFramesOn) {
+TEST_F(ViewerConversationTest, NewBlockBeginsWithAWelcomeAndContinuesFrameNumbers) {
   join_viewer(*eve);
   const auto sequence_of = [](const OutFrame& frame) {
     std::uint64_t number = 0;
@@ -216,7 +216,7 @@ TEST_F(ViewerConversationTest, ViewersHaveNoToolAndSendNoMotions) {
   EXPECT_EQ(session->info().motions, 0U);
 }
 
-TEST_F(ViewerConversationTest, FramesLeaveInTheOrderOfTheirPriority) {
+TEST_F(ViewerConversationTest, FramesAreSentByPriority) {
   join_viewer(*eve);
   eve->send_state({.sequence = 1, .hash = 7, .settled = true});
   eve->send_mesh({.sequence = 1, .glb = shared(10)});
@@ -311,7 +311,7 @@ TEST_F(ViewerConversationTest, AParticipantChangeIsSentToAViewerThatKnowsTheList
   EXPECT_EQ(sent(true), "change");
 }
 
-TEST_F(ViewerConversationTest, AViewerThatDoesNotKnowChangesGetsLists) {
+TEST_F(ViewerConversationTest, ViewersWithoutDeltaSupportGetLists) {
   join_viewer(*eve);
   for (int n = 0; n < 3; ++n) {
     eve->send_participants(shared("all"), shared("change"));
@@ -319,7 +319,7 @@ TEST_F(ViewerConversationTest, AViewerThatDoesNotKnowChangesGetsLists) {
   }
 }
 
-TEST_F(ViewerConversationTest, AViewerThatReadsNothingSurvivesAnyNumberOfParticipantChanges) {
+TEST_F(ViewerConversationTest, StalledViewerSurvivesAnyNumberOfParticipantChanges) {
   join_viewer(*eve);
   for (int n = 0; n < 1000; ++n) eve->send_participants(shared("all"), shared("change"));
   EXPECT_FALSE(eve->broken());
@@ -370,7 +370,7 @@ TEST_F(ViewerConversationTest, StatesAreSentEveryQuarterSecondAndAtOnceWhenSettl
   EXPECT_TRUE(drain(*eve).empty());
 }
 
-TEST_F(ViewerConversationTest, PosesThatComeWithTilesLeaveFirstAndTogetherWithThem) {
+TEST_F(ViewerConversationTest, PosesAreSentBeforeTheirTiles) {
   join_viewer(*eve);
   eve->send_mesh({.sequence = 1, .glb = shared(10)}, shared(30));
   OutFrame frame;

@@ -17,7 +17,7 @@ class ViewerMistakes : public ConversationTest {
   std::unique_ptr<ViewerConversation> eve;
 };
 
-TEST_F(ViewerMistakes, ALookThatIsNoneHasItsError) {
+TEST_F(ViewerMistakes, EachInvalidLookGetsItsError) {
   for (const char* look :
        {R"("eye_mm":[1,2,3])", R"("error_rad":0.001)", R"("eye_mm":[1,2],"error_rad":0.001)",
         R"("eye_mm":[1,2,"3"],"error_rad":0.001)", R"("eye_mm":[1,2,1e7],"error_rad":0.001)",
@@ -30,7 +30,7 @@ TEST_F(ViewerMistakes, ALookThatIsNoneHasItsError) {
   }
 }
 
-TEST_F(ViewerMistakes, EachFrameHasItsError) {
+TEST_F(ViewerMistakes, EachInvalidFrameGetsItsError) {
   const std::pair<Bytes, const char*> rows[] = {
       {Bytes(2), "bad_frame"},
       {encoded(batch()), "bad_message"},

@@ -8,7 +8,7 @@ namespace {
 
 using ViewerVerifyTest = ConversationTest;
 
-TEST_F(ViewerVerifyTest, PongsToWhoVerifiesSayWhichMeshFramesWereSent) {
+TEST_F(ViewerVerifyTest, PongsToVerifyingViewersCountMeshFrames) {
   const auto glb = std::make_shared<const Bytes>(Bytes(40, std::byte{7}));
   const FeedFrame frame{.sequence = 1, .flags = 0, .glb = glb, .sum = wire::checksum(*glb)};
   const auto pong = [&](ViewerConversation& viewer) {

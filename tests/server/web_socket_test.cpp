@@ -99,7 +99,7 @@ TEST_F(WebSocketTest, CarriesTextAndBinaryMessagesWhole) {
       });
 }
 
-TEST_F(WebSocketTest, ASilentPeerIsDroppedOnlyWhileSomebodyReads) {
+TEST_F(WebSocketTest, SilentPeerIsDroppedOnlyWhileReading) {
   WebSocketLimits limits = kLimits;
   limits.idle = std::chrono::milliseconds(50);
   const std::string hello = "hello";
@@ -197,7 +197,7 @@ TEST_F(WebSocketTest, ALongerMessageThanTheLimitEndsTheConnection) {
       });
 }
 
-TEST_F(WebSocketTest, WhatIsHeldAndTheCloseFrameArriveBeforeTheEnd) {
+TEST_F(WebSocketTest, HeldMessagesAndCloseFrameArriveBeforeTheEnd) {
   const std::string poses = "poses";
   run(
       [&]() -> asio::awaitable<void> {

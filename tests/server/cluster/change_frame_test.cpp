@@ -24,7 +24,7 @@ FrameHead head(std::uint32_t epoch, std::uint64_t change, std::uint32_t part = 0
           .after = {change + 1, 6, 7, 8}};
 }
 
-TEST(ChangeFrame, ReadsWhatItHasWritten) {
+TEST(ChangeFrame, RoundTrips) {
   FrameHead written = head(3, 9, 1, 4);
   written.is_whole = false;
   const auto bytes = encode_frame(written, rows(5, 42));
@@ -62,7 +62,7 @@ TEST(FrameJoiner, JoinsTheParts) {
   EXPECT_EQ((*change)->after.record, 2U);
 }
 
-TEST(FrameJoiner, LeavesOutAChangeWhoseWriterEnded) {
+TEST(FrameJoiner, DropsAnUnfinishedChange) {
   FrameJoiner joiner;
   EXPECT_FALSE(*joiner.add(encode_frame(head(1, 1, 0, 3), rows(3, 1))));
   const auto change = joiner.add(encode_frame(head(2, 1), rows(2, 2)));
@@ -70,14 +70,14 @@ TEST(FrameJoiner, LeavesOutAChangeWhoseWriterEnded) {
   EXPECT_EQ((*change)->rows, rows(2, 2));
 }
 
-TEST(FrameJoiner, RefusesAnEarlierEpoch) {
+TEST(FrameJoiner, RejectsAnEarlierEpoch) {
   FrameJoiner joiner;
   ASSERT_TRUE(joiner.add(encode_frame(head(4, 1), rows(3, 1))));
   ASSERT_TRUE(joiner.add(encode_frame(head(4, 2), rows(3, 1))));
   EXPECT_FALSE(joiner.add(encode_frame(head(3, 3), rows(3, 1))));
 }
 
-TEST(FrameJoiner, RefusesAMissingPart) {
+TEST(FrameJoiner, RejectsAMissingPart) {
   FrameJoiner joiner;
   ASSERT_TRUE(joiner.add(encode_frame(head(1, 1, 0, 3), rows(3, 1))));
   EXPECT_FALSE(joiner.add(encode_frame(head(1, 1, 2, 3), rows(3, 1))));

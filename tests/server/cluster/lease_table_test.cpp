@@ -48,7 +48,7 @@ TEST_F(LeaseTableTest, ALeaseLastsAsLongAsItsOwnerStates) {
   EXPECT_EQ(table_.takeable(kSecond * 31 / 25), Ids{"s"});
 }
 
-TEST_F(LeaseTableTest, ALeaseThatNatsHasLostInPartIsFreeAgainLaterWithItsEpochKept) {
+TEST_F(LeaseTableTest, PartlyLostLeaseBecomesFreeAndKeepsItsEpoch) {
   table_.note("s", held_by("b", 5), 47, 0);
   table_.correct("s", {24, held_by("c", 3)}, 9 * kSecond);
   EXPECT_EQ(table_.find("s")->revision, 24U);
@@ -63,7 +63,7 @@ TEST_F(LeaseTableTest, ALeaseThatNatsHasLostInPartIsFreeAgainLaterWithItsEpochKe
   EXPECT_EQ(table_.find("unknown"), nullptr);
 }
 
-TEST_F(LeaseTableTest, TimeWithoutAnythingToBeSeenDoesNotCount) {
+TEST_F(LeaseTableTest, TimeWithoutObservationsDoesNotCount) {
   table_.note("s", held_by("b"), 7, 0);
   table_.begin(10 * kSecond);
   EXPECT_EQ(table_.takeable(13 * kSecond), Ids());
@@ -82,7 +82,7 @@ TEST_F(LeaseTableTest, AReleasedLeaseIsFreeAtOnceForTheServerThatItNames) {
   EXPECT_EQ(table_.takeable(2 * kSecond), (Ids{"any", "mine", "other"}));
 }
 
-TEST_F(LeaseTableTest, AClosedSessionIsNowhere) {
+TEST_F(LeaseTableTest, ClosedSessionHasNoServer) {
   Lease lease = held_by("b");
   lease.state = LeaseState::kClosed;
   table_.note("s", lease, 1, 0);
@@ -101,14 +101,14 @@ TEST_F(LeaseTableTest, PeersAreNotSentToAServerThatIsAboutToStop) {
   EXPECT_EQ(table_.takeable(0), Ids()) << "it still has the lease";
 }
 
-TEST_F(LeaseTableTest, NobodyIsSentToThisServerItself) {
+TEST_F(LeaseTableTest, NoRedirectToThisServer) {
   table_.note("s", held_by("a"), 1, 0);
   EXPECT_FALSE(table_.address_of("s", 0));
   EXPECT_TRUE(table_.is_moving("s", 0)) << "it is about to be opened, or was lost";
   EXPECT_TRUE(table_.elsewhere().empty());
 }
 
-TEST_F(LeaseTableTest, ServersCountThatHaveStatedThemselvesLately) {
+TEST_F(LeaseTableTest, OnlyRecentlyHeardServersCount) {
   table_.note("a", {.run = "a's run", .address = "http://a"}, 0);
   table_.note("b", {.run = "b's run", .address = "http://b"}, 0);
   table_.note("c", {.run = "c's run", .address = ""}, 0);  // it stops
@@ -125,7 +125,7 @@ TEST_F(LeaseTableTest, ServersCountThatHaveStatedThemselvesLately) {
   EXPECT_TRUE(table_.others(6 * kSecond).empty());
 }
 
-TEST_F(LeaseTableTest, PagesOfAServerThatIsGoneGoOnForADay) {
+TEST_F(LeaseTableTest, PagesOfADepartedServerContinueForADay) {
   table_.note("a", {.run = "a's run", .address = "http://a"}, 0);
   table_.note("b", {.run = "b's run", .address = "http://b"}, 0);
   table_.note("b", {.run = "b's run", .address = ""}, kSecond);  // it stops
@@ -135,7 +135,7 @@ TEST_F(LeaseTableTest, PagesOfAServerThatIsGoneGoOnForADay) {
   EXPECT_EQ(table_.page_servers(3 * kSecond), (Ids{"http://b", "http://b:81"}));
 }
 
-TEST_F(LeaseTableTest, AServerThatOnlyFollowsIsThereAndGetsNoSessions) {
+TEST_F(LeaseTableTest, FollowOnlyServersGetNoSessions) {
   const NodeNote note{.run = "b's run", .address = "http://b", .only_follows = true};
   EXPECT_TRUE(decode_node(encode_node(note))->only_follows);
   table_.note("b", note, 0);
@@ -165,7 +165,7 @@ TEST_F(LeaseTableTest, TheServerWithTheFewestSessionsIsTheLeastLoadedOne) {
   EXPECT_EQ(table_.least_loaded(0)->sessions, 2U) << "of c, which has what it was to get";
 }
 
-TEST_F(LeaseTableTest, ASessionThatNeverCameIsExpectedNoMore) {
+TEST_F(LeaseTableTest, ExpectedSessionIsGivenUp) {
   table_.note("b", {.run = "b's run", .address = "http://b"}, 0);
   table_.expect_session("b");
   table_.note("b", {.run = "b's run", .address = "http://b"}, kSecond);
@@ -174,7 +174,7 @@ TEST_F(LeaseTableTest, ASessionThatNeverCameIsExpectedNoMore) {
   EXPECT_EQ(table_.least_loaded(2 * kSecond)->sessions, 0U);
 }
 
-TEST(Lease, ReadsWhatItHasWritten) {
+TEST(Lease, RoundTrips) {
   Lease written = held_by("b", 9);
   written.state = LeaseState::kReleased;
   written.to = "c";
@@ -197,7 +197,7 @@ TEST(Lease, ReadsWhatItHasWritten) {
   EXPECT_EQ(read->shown.active_ms, 12);
 }
 
-TEST(Lease, WhatIsNoneIsRefused) {
+TEST(Lease, MalformedLeasesAreRejected) {
   const auto decode = [](const std::string& text) {
     return decode_lease(std::as_bytes(std::span(text)));
   };

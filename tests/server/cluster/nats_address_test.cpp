@@ -13,7 +13,7 @@ TEST(NatsAddress, IsOneServerOrSeveral) {
   EXPECT_EQ(nats_servers("nats://a:1,tls://u:p@b:2"), (Servers{"nats://a:1", "tls://u:p@b:2"}));
 }
 
-TEST(NatsAddress, WithoutASchemeOrAHostIsNone) {
+TEST(NatsAddress, NeedsASchemeAndAHost) {
   for (const char* bad :
        {"", "10.0.0.5:4222", "http://a:1", "nats://", "nats://u:p@", "nats://a,b"})
     EXPECT_TRUE(nats_servers(bad).empty() && !nats_fault(bad).empty()) << bad;

@@ -80,7 +80,7 @@ TEST_F(NatsContract, AMessageWhoseIdIsKnownIsNotStoredAgain) {
   EXPECT_EQ((*nats_->last_message("ALL", "all.a"))->sequence, 1U);
 }
 
-TEST_F(NatsContract, TheLastMessageOfAPattern) {
+TEST_F(NatsContract, LastMessageOfAPatternIsFound) {
   EXPECT_FALSE(nats_->last_message("ALL", "all.*")->has_value());
   EXPECT_EQ(nats_->last_message("NONE", "all.*").error().code, NatsErrorCode::kAbsent);
   stored("all.a", "1", 0);
@@ -90,7 +90,7 @@ TEST_F(NatsContract, TheLastMessageOfAPattern) {
   EXPECT_FALSE(nats_->last_message("ALL", "all.c")->has_value());
 }
 
-TEST_F(NatsContract, AStreamOfTheLastOfEachSubjectForgetsTheOthers) {
+TEST_F(NatsContract, StreamOfLastMessagesForgetsOlderOnes) {
   stored("last.x.a", "1", 0);
   stored("last.x.b", "2", 0);
   stored("last.x.a", "3", 1);
@@ -102,7 +102,7 @@ TEST_F(NatsContract, AStreamOfTheLastOfEachSubjectForgetsTheOthers) {
   EXPECT_EQ(read, (std::vector<std::string>{"22", "33"}));
 }
 
-TEST_F(NatsContract, AWatchGivesTheNewestOfEachSubjectAndThenAllThatFollow) {
+TEST_F(NatsContract, WatchGivesTheNewestOfEachSubjectAndThenUpdates) {
   stored("all.a", "old", 0);
   stored("all.b", "b", 0);
   stored("all.a", "a", 1);
@@ -119,11 +119,11 @@ TEST_F(NatsContract, AWatchGivesTheNewestOfEachSubjectAndThenAllThatFollow) {
   EXPECT_EQ(next(*from), "all.a 4 next");
 }
 
-TEST_F(NatsContract, AWatchOfAStreamThatIsAbsentIsAnError) {
+TEST_F(NatsContract, WatchOfAMissingStreamIsAnError) {
   EXPECT_EQ(nats_->watch("NONE", "none.*").error().code, NatsErrorCode::kAbsent);
 }
 
-TEST_F(NatsContract, ReadingEndsWhenItsReaderWantsNoMore) {
+TEST_F(NatsContract, ReadingStopsOnRequest) {
   for (std::uint64_t n = 0; n < 5; ++n) stored("all.a", std::to_string(n), n);
   int read = 0;
   ASSERT_TRUE(nats_->read("ALL", "all.a", [&](const StreamMessage&) { return ++read < 3; }));
@@ -146,7 +146,7 @@ TEST_F(NatsContract, StreamsArePurgedAndDeleted) {
   EXPECT_EQ(refused.error().code, NatsErrorCode::kRefused);
 }
 
-TEST_F(NatsContract, ListenersHearWhatIsSentAndNothingIsStored) {
+TEST_F(NatsContract, ListenersGetUnstoredMessages) {
   std::mutex mutex;
   std::vector<std::string> heard;
   auto listener = nats_->listen("live.*", [&](const StreamMessage& message) {
@@ -163,7 +163,7 @@ TEST_F(NatsContract, ListenersHearWhatIsSentAndNothingIsStored) {
   }));
 }
 
-TEST_F(NatsContract, AServerThatIsAwayAnswersNothingAndComesBackWithItsStreams) {
+TEST_F(NatsContract, RestartedServerKeepsItsStreams) {
   stored("all.a", "before", 0);
   auto watch = nats_->watch("ALL", "all.*");
   EXPECT_EQ(next(*watch), "all.a 1 before");

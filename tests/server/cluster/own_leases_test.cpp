@@ -36,7 +36,7 @@ class OwnLeasesTest : public test::NatsTest {
   std::optional<OwnLeases> a_, b_;
 };
 
-TEST_F(OwnLeasesTest, OfTwoServersThatTakeALeaseAtOnceOneGetsIt) {
+TEST_F(OwnLeasesTest, ConcurrentClaimsHaveOneWinner) {
   ASSERT_TRUE(a_->take("s", lease("a", 1), 0));
   const auto late = b_->take("s", lease("b", 1), 0);
   ASSERT_FALSE(late);
@@ -49,7 +49,7 @@ TEST_F(OwnLeasesTest, OfTwoServersThatTakeALeaseAtOnceOneGetsIt) {
   EXPECT_EQ(decode_lease(stored().bytes)->node, "a");
 }
 
-TEST_F(OwnLeasesTest, AnOwnerThatIsSucceededLearnsOfItAndIsFenced) {
+TEST_F(OwnLeasesTest, SucceededOwnerIsFenced) {
   ASSERT_TRUE(a_->take("s", lease("a", 1), 0));
   const auto fence = a_->fence("s");
   ASSERT_TRUE(b_->take("s", lease("b", 2), stored().sequence));
@@ -63,7 +63,7 @@ TEST_F(OwnLeasesTest, AnOwnerThatIsSucceededLearnsOfItAndIsFenced) {
   EXPECT_EQ(decode_lease(stored().bytes)->epoch, 2U);
 }
 
-TEST_F(OwnLeasesTest, ALeaseOfANatsThatHasLostItsLastSecondsIsReadAndTaken) {
+TEST_F(OwnLeasesTest, LeaseOfARolledBackNatsIsReadAndTaken) {
   ASSERT_TRUE(a_->take("s", lease("a", 1), 0));
   const StreamMessage early = stored();
   for (int n = 0; n < 3; ++n) ASSERT_TRUE(a_->renew("s", {}));
@@ -88,7 +88,7 @@ TEST_F(OwnLeasesTest, ALeaseOfANatsThatHasLostItsLastSecondsIsReadAndTaken) {
   EXPECT_EQ(decode_lease(stored().bytes)->node, "b");
 }
 
-TEST_F(OwnLeasesTest, ARenewalWhoseAnswerWasLostIsNotThatOfAnother) {
+TEST_F(OwnLeasesTest, LostAnswerToARenewalIsRecognizedAsOwn) {
   ASSERT_TRUE(a_->take("s", lease("a", 1), 0));
   const StreamMessage first = stored();
   ASSERT_TRUE(nats_->publish(lease_subject("s"), first.bytes, "lost", first.sequence));
@@ -96,7 +96,7 @@ TEST_F(OwnLeasesTest, ARenewalWhoseAnswerWasLostIsNotThatOfAnother) {
   EXPECT_TRUE(a_->fence("s")->is_open());
 }
 
-TEST_F(OwnLeasesTest, ALeaseWhoseAnswerIsLateIsTakenOnce) {
+TEST_F(OwnLeasesTest, LateAnswerTakesALeaseOnce) {
   // Longer than one attempt waits, shorter than all of them.
   process_.suspend();
   std::jthread later([this] {
@@ -112,7 +112,7 @@ TEST_F(OwnLeasesTest, ALeaseWhoseAnswerIsLateIsTakenOnce) {
   EXPECT_EQ(stored().sequence, first.sequence + 1);
 }
 
-TEST_F(OwnLeasesTest, WhatIsGivenBackMayBeTaken) {
+TEST_F(OwnLeasesTest, ReleasedLeaseMayBeTaken) {
   ASSERT_TRUE(a_->take("s", lease("a", 1), 0));
   const auto fence = a_->fence("s");
   a_->give_back("s", LeaseState::kReleased, "b");

@@ -88,7 +88,7 @@ class SnapshotCopyTest : public test::NatsTest {
   std::expected<std::uint64_t, std::string> fetched_;
 };
 
-TEST_F(SnapshotCopyTest, ATakeoverReplaysOnlyWhatFollowsTheNewestSnapshot) {
+TEST_F(SnapshotCopyTest, TakeoverReplaysOnlyRecordsAfterTheNewestSnapshot) {
   SnapshotCopy copy = owner(2);
   const std::uint64_t before = cut_and_write(20);
   ASSERT_EQ(copy.copy(before, never_), true);
@@ -108,13 +108,13 @@ TEST_F(SnapshotCopyTest, ATakeoverReplaysOnlyWhatFollowsTheNewestSnapshot) {
   EXPECT_EQ(read_snapshot_head(previous_snapshot_file(second_))->sequence, before);
 }
 
-TEST_F(SnapshotCopyTest, TheStreamKeepsTwo) {
+TEST_F(SnapshotCopyTest, StreamKeepsTwoSnapshots) {
   SnapshotCopy copy = owner(2);
   for (int n = 0; n < 5; ++n) ASSERT_EQ(copy.copy(cut_and_write(5), never_), true);
   EXPECT_EQ(messages_from(), 4U) << "each is one message";
 }
 
-TEST_F(SnapshotCopyTest, ADamagedOneIsPassedOverAndTheOneBeforeItIsUsed) {
+TEST_F(SnapshotCopyTest, DamagedSnapshotIsSkippedForTheOneBefore) {
   SnapshotCopy copy = owner(2);
   const std::uint64_t good = cut_and_write(20);
   ASSERT_EQ(copy.copy(good, never_), true);
@@ -136,7 +136,7 @@ TEST_F(SnapshotCopyTest, ADamagedOneIsPassedOverAndTheOneBeforeItIsUsed) {
   EXPECT_EQ(taken->hash.hash, replay(first_)->hash.hash);
 }
 
-TEST_F(SnapshotCopyTest, OneThatWasNotFinishedIsNoHindrance) {
+TEST_F(SnapshotCopyTest, UnfinishedSnapshotIsIgnored) {
   SnapshotCopy copy = owner(2);
   const std::uint64_t good = cut_and_write(20);
   ASSERT_EQ(copy.copy(good, never_), true);
@@ -158,7 +158,7 @@ TEST_F(SnapshotCopyTest, OneThatWasNotFinishedIsNoHindrance) {
   EXPECT_EQ(take_over()->snapshot_sequence, newest);
 }
 
-TEST_F(SnapshotCopyTest, WithoutAnyThatCanBeUsedAllRecordsAreReplayed) {
+TEST_F(SnapshotCopyTest, AllRecordsAreReplayedWithoutAUsableSnapshot) {
   SnapshotCopy copy = owner(2);
   ASSERT_EQ(copy.copy(cut_and_write(20), never_), true);
   ASSERT_TRUE(nats_->purge(snapshot_stream("demo"), 2));
@@ -170,7 +170,7 @@ TEST_F(SnapshotCopyTest, WithoutAnyThatCanBeUsedAllRecordsAreReplayed) {
   EXPECT_EQ(taken->hash.hash, replay(first_)->hash.hash);
 }
 
-TEST_F(SnapshotCopyTest, AFormerOwnerAddsNothingAndASnapshotOfALaterEpochIsNotTaken) {
+TEST_F(SnapshotCopyTest, FormerOwnerAddsNothingAndLaterEpochsAreSkipped) {
   SnapshotCopy former = owner(2), later = owner(3);
   ASSERT_EQ(former.copy(cut_and_write(5), never_), true);
   const std::uint64_t newest = cut_and_write(5);
@@ -184,7 +184,7 @@ TEST_F(SnapshotCopyTest, AFormerOwnerAddsNothingAndASnapshotOfALaterEpochIsNotTa
   EXPECT_EQ(fetch_snapshots(*nats_, "demo", 4, second_), newest);
 }
 
-TEST_F(SnapshotCopyTest, ALargeOneIsSentInPartsAndWhatIsNewerHereStays) {
+TEST_F(SnapshotCopyTest, LargeSnapshotIsSentInPartsAndNewerLocalOneStays) {
   std::vector<std::byte> bytes(3 * kFrameBytes + 5);
   for (std::size_t n = 0; n < bytes.size(); ++n) bytes[n] = std::byte(n * 2654435761U >> 13);
   const std::uint64_t record = cut_and_write(5);
@@ -204,7 +204,7 @@ TEST_F(SnapshotCopyTest, ALargeOneIsSentInPartsAndWhatIsNewerHereStays) {
 }
 
 /// The commands of kerf-server and their output.
-TEST_F(SnapshotCopyTest, ACopyIsListedFetchedWithItsSnapshotAndForgottenWithIt) {
+TEST_F(SnapshotCopyTest, CopyIsListedFetchedAndForgottenWithItsSnapshot) {
   const std::uint64_t record = cut_and_write(20);
   {
     JournalReplica replica(*nats_, {"demo", first_, 2}, 1, [](const CopyState&) {});

@@ -53,7 +53,7 @@ class TakeoverTest : public test::NatsTest {
                               third_ = folder_ / "third.kerf", kept_ = folder_ / "closed";
 };
 
-TEST_F(TakeoverTest, TheFormerOwnerCanAddNothingToTheCopyThatWasRead) {
+TEST_F(TakeoverTest, FormerOwnerCannotExtendTheCopy) {
   JournalWriter writer = create(first_);
   JournalChanges changes(first_);
   append(writer, 5);
@@ -70,7 +70,7 @@ TEST_F(TakeoverTest, TheFormerOwnerCanAddNothingToTheCopyThatWasRead) {
   EXPECT_FALSE(prepare_journal(*nats_, "demo", 2, folder_ / "third.kerf", kept_));
 }
 
-TEST_F(TakeoverTest, AJournalThatHasTheCopyStaysAndOneThatIsBehindIsReplaced) {
+TEST_F(TakeoverTest, CurrentJournalStaysAndStaleOneIsReplaced) {
   {
     JournalWriter writer = create(first_);
     JournalChanges changes(first_);
@@ -87,7 +87,7 @@ TEST_F(TakeoverTest, AJournalThatHasTheCopyStaysAndOneThatIsBehindIsReplaced) {
   EXPECT_FALSE(std::filesystem::exists(kept_)) << "the copy has all of it";
 }
 
-TEST_F(TakeoverTest, AJournalOfAnEarlierEpochLacksWhatIsNoRecord) {
+TEST_F(TakeoverTest, StaleEpochJournalHoldsRecordsOnly) {
   std::uint64_t last = 0;
   {
     JournalWriter writer = create(first_);
@@ -115,7 +115,7 @@ TEST_F(TakeoverTest, AJournalOfAnEarlierEpochLacksWhatIsNoRecord) {
   EXPECT_EQ(read_attachments(first_)->size(), 1U) << "who follows has what is no record too";
 }
 
-TEST_F(TakeoverTest, AJournalWithOtherRecordsIsKeptAside) {
+TEST_F(TakeoverTest, DivergedJournalIsKeptAside) {
   JournalWriter writer = create(first_);
   JournalChanges changes(first_);
   append(writer, 5);
@@ -131,7 +131,7 @@ TEST_F(TakeoverTest, AJournalWithOtherRecordsIsKeptAside) {
   EXPECT_EQ(records(kept->path()), 7U);
 }
 
-TEST_F(TakeoverTest, ACopyThatEndsWithinACommitGoesOnFromTheLastWholeOne) {
+TEST_F(TakeoverTest, CopyEndingInACommitContinuesFromTheLastWholeOne) {
   JournalWriter writer = create(first_);
   JournalChanges changes(first_);
   append(writer, 5);
@@ -148,7 +148,7 @@ TEST_F(TakeoverTest, ACopyThatEndsWithinACommitGoesOnFromTheLastWholeOne) {
   EXPECT_EQ(records(folder_ / "third.kerf"), 5U);
 }
 
-TEST_F(TakeoverTest, WithoutACopyOnlyTheJournalThatIsHereCounts) {
+TEST_F(TakeoverTest, WithoutACopyTheLocalJournalCounts) {
   EXPECT_FALSE(prepare_journal(*nats_, "demo", 1, second_, kept_));
   create(first_);
   EXPECT_TRUE(prepare_journal(*nats_, "demo", 1, first_, kept_));

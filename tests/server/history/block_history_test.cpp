@@ -50,7 +50,7 @@ TEST(BlockHistory, CarvesAnySetOfMotionsToTheBit) {
   }
 }
 
-TEST(BlockHistory, ChangesABlockIntoThatOfAnySetOfStrokesToTheBit) {
+TEST(BlockHistory, ReachesAnySetOfStrokesToTheBit) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     RecordedJob job(test::job_settings(rays, 0.5), 21 + static_cast<unsigned>(rays));
     BlockHistory history(journal_records(job.file()), job.settings(), start_of(job.settings()));
@@ -94,7 +94,7 @@ TEST(BlockHistory, ChangesNoTileWithMotionsAfterTheSet) {
   }
 }
 
-TEST(BlockHistory, TilesOutsideTheReachOfAStrokeDoNotChangeWithoutIt) {
+TEST(BlockHistory, TilesOutOfReachOfAStrokeDoNotChange) {
   RecordedJob job(test::job_settings(Rays::kTriDexel, 0.5), 3);
   job.carve(300);
   BlockHistory history(journal_records(job.file()), job.settings(), start_of(job.settings()));
@@ -114,7 +114,7 @@ TEST(BlockHistory, TilesOutsideTheReachOfAStrokeDoNotChangeWithoutIt) {
   EXPECT_LT(tiles, 6 * history.tiles().size() * 3 / 4);
 }
 
-TEST(BlockHistory, KeptTilesAreUsedAgainAndLimited) {
+TEST(BlockHistory, CachedTilesAreReusedAndLimited) {
   RecordedJob job(test::job_settings(Rays::kDexel, 0.5), 4);
   job.carve(300);
   SerialWorkers alone;
@@ -173,7 +173,7 @@ TEST(BlockHistory, ChangesOfStrokesMakeUpTheSetAfterEachRecord) {
   EXPECT_EQ(motions, 80U);
 }
 
-TEST(BlockHistory, StopsWhenItIsAskedTo) {
+TEST(BlockHistory, StopsOnRequest) {
   RecordedJob job(test::job_settings(Rays::kDexel, 0.5), 7);
   job.carve(60);
   std::stop_source stop;
@@ -206,7 +206,7 @@ class StoppingWorkers final : public Workers {
   std::stop_source stop_;
 };
 
-TEST(BlockHistory, KeepsWhatItHasCarvedWhenItIsStopped) {
+TEST(BlockHistory, KeepsCarvedTilesWhenStopped) {
   RecordedJob job(test::job_settings(Rays::kDexel, 0.8), 8);
   job.carve(static_cast<int>(EraTiles::kRecords) + 600, 1);
   BlockHistory history(journal_records(job.file()), job.settings(), start_of(job.settings()));

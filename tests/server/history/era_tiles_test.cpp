@@ -12,7 +12,7 @@ namespace {
 
 FieldTile tile_at(int x) { return {RayAxis::kZ, {x, 0}}; }
 
-TEST(EraTiles, ErasAreLongerInALongJournalAndThenNothingIsKept) {
+TEST(EraTiles, LongJournalsHaveLongerErasAndNoCache) {
   EraTiles eras;
   eras.of(tile_at(1), 0) = {true, nullptr, {3}, 20, 1};
   eras.of(tile_at(1), 1) = {true, nullptr, {}, 9000, 1};

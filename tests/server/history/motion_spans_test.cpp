@@ -15,7 +15,7 @@ Bounds box_at(Vec3 at, double half_mm) {
   return {at - half, at + half};
 }
 
-TEST(MotionSpans, EveryMotionLiesInOneSpanOfItsStroke) {
+TEST(MotionSpans, EveryMotionIsInOneSpanOfItsStroke) {
   std::mt19937 random(1);
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);

@@ -62,7 +62,7 @@ std::vector<StockCell> some_cells(RecordedJob& job, const SolidSnapshot& solid, 
   return cells;
 }
 
-TEST(SurfaceMaker, IsTheMotionAfterWhichTheCellIsGone) {
+TEST(SurfaceMaker, IsTheMotionThatRemovedTheCell) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     RecordedJob job(test::job_settings(rays, 0.5), 51 + static_cast<unsigned>(rays));
     job.carve(150);
@@ -91,7 +91,7 @@ TEST(SurfaceMaker, IsTheMotionAfterWhichTheCellIsGone) {
   }
 }
 
-TEST(SurfaceMaker, NobodyRemovedWhatIsThere) {
+TEST(SurfaceMaker, IsEmptyForExistingStock) {
   RecordedJob job(test::job_settings(Rays::kDexel, 0.5), 61);
   job.carve(100);
   const SolidSnapshot start = Sculpture::create(job.settings()).value().solid();
@@ -102,7 +102,7 @@ TEST(SurfaceMaker, NobodyRemovedWhatIsThere) {
   EXPECT_FALSE(maker->has_value());
 }
 
-TEST(SurfaceOwners, AreTheParticipantsWhoseMotionsWereTheFirst) {
+TEST(SurfaceOwners, AreTheParticipantsThatRemovedTheStockFirst) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     RecordedJob job(test::job_settings(rays, 0.5), 71 + static_cast<unsigned>(rays));
     job.carve(1500);  // more than a window of records
@@ -133,7 +133,7 @@ TEST(SurfaceOwners, AreTheParticipantsWhoseMotionsWereTheFirst) {
   }
 }
 
-TEST(SurfaceOwners, HasNoneWhereNothingIsAsked) {
+TEST(SurfaceOwners, AreEmptyWithoutQueries) {
   RecordedJob job(test::job_settings(Rays::kDexel, 0.5), 81);
   job.carve(50);
   BlockHistory history(journal_records(job.file()), job.settings(),
@@ -142,7 +142,7 @@ TEST(SurfaceOwners, HasNoneWhereNothingIsAsked) {
   EXPECT_TRUE(history.owners({}, {}).value().empty());
 }
 
-TEST(ColumnEnd, IsTheNearestOfTheFaceThatIsMeant) {
+TEST(ColumnEnd, IsTheNearestOnTheSelectedFace) {
   const SculptureSettings settings = test::job_settings(Rays::kTriDexel, 0.5);
   const SolidSnapshot solid = Sculpture::create(settings).value().solid();
   const auto top = nearest_end(solid, {10.1, 10.2, 0.03}, {0, 0, 1}, 1);

@@ -124,7 +124,7 @@ TEST(BlockPicture, EqualBlocksGiveEqualBytes) {
   EXPECT_EQ(hash_of(render(grooved(), 32, 24)), 6108917262980036935U);
 }
 
-TEST(BlockPicture, ShowsTheSideThatIsAskedForInTheColorsThatArePainted) {
+TEST(BlockPicture, ShowsTheRequestedSideInItsColors) {
   // Paint everything behind the middle red: seen from the back it is in front, at the bottom.
   auto block = block_of({{0, 0, 0}, {16, 12, 6}});
   PictureStyle style{.width = 48, .height = 36};
@@ -162,7 +162,7 @@ TEST(BlockPicture, StopsAndReportsItsProgress) {
   EXPECT_EQ(shares.back(), 1);
 }
 
-TEST(PngFile, ReadsBackAsItWasWritten) {
+TEST(PngFile, RoundTrips) {
   const test::TemporaryFolder folder;
   const Picture picture = render(grooved(), 40, 30);
   ASSERT_TRUE(write_png(folder.path() / "a.png", picture));

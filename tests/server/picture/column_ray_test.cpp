@@ -148,7 +148,7 @@ TEST(ColumnRay, PassesThroughAHoleAndMeetsItsWall) {
   EXPECT_FALSE(underside->is_cut);
 }
 
-TEST(ColumnRay, ABlockThatIsMissedIsNotMet) {
+TEST(ColumnRay, MissesTheBlock) {
   auto block = block_of(kBox, 0.5);
   const DexelSnapshot field = block.snapshot();
   EXPECT_FALSE(first_hit(field, {10, 10, 30}, {0, 0, 1})) << "behind the eye";

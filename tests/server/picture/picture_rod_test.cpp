@@ -22,7 +22,7 @@ double outside(const PictureRod& rod, Vec3 at) {
   return std::max({-h, h - height, length(arm - axis * h) - radius});
 }
 
-TEST(PictureRod, IsMetWhereAFineWalkAlongTheRayFirstEntersIt) {
+TEST(PictureRod, HitAgreesWithAFineMarch) {
   std::mt19937_64 random(1);
   const auto in = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);

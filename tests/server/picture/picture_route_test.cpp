@@ -65,7 +65,7 @@ TEST_F(PictureCacheTest, ShowsTheNewStateAfterThePauseAndAnOldOneWithoutWork) {
   EXPECT_EQ(text, 'b');
 }
 
-TEST_F(PictureCacheTest, ThePauseBeginsWhenThePictureIsDone) {
+TEST_F(PictureCacheTest, PauseBeginsWhenThePictureIsDone) {
   Clock::time_point now{};
   PictureCache cache(folder_.path() / "pictures", std::chrono::seconds(2), [&] { return now; });
   const auto slowly = [&] {
@@ -186,7 +186,7 @@ TEST_F(PictureRoute, ServesAPngOfTheGivenSize) {
   EXPECT_EQ(etag(ask("")), etag(ask("?width=480")));
 }
 
-TEST_F(PictureRoute, LeavesTheFilesOfOthersInTheDataFolder) {
+TEST_F(PictureRoute, LeavesForeignFilesInTheDataFolder) {
   std::vector<std::filesystem::path> files;
   for (const char* name : {"pictures", "downloads"}) {
     const auto folder = folder_.path() / name;

@@ -40,7 +40,7 @@ class JournalSalvage : public DamageTest {
   }
 };
 
-TEST_F(JournalSalvage, KeepsTheBlockOfTheSnapshotAndAllThatCameAfterIt) {
+TEST_F(JournalSalvage, KeepsTheSnapshotAndLaterRecords) {
   leave();
   reload();
   const std::uint64_t then = hash_at(strokes[3] - 1), without = undo(strokes[3]);
@@ -73,7 +73,7 @@ TEST_F(JournalSalvage, KeepsTheBlockOfTheSnapshotAndAllThatCameAfterIt) {
   EXPECT_EQ(unknown.status, 409U) << unknown.body;
 }
 
-TEST_F(JournalSalvage, ASalvagedSessionGoesOnAsAnyOther) {
+TEST_F(JournalSalvage, SalvagedSessionContinues) {
   leave();
   damage_record(journal(), strokes[0] + 3);
   replace();
@@ -99,7 +99,7 @@ TEST_F(JournalSalvage, ASalvagedSessionGoesOnAsAnyOther) {
   EXPECT_EQ(hash_at(session->sequence() - 1), both);
 }
 
-TEST_F(JournalSalvage, WithoutASnapshotKeepsTheRecordsBeforeTheDamage) {
+TEST_F(JournalSalvage, KeepsEarlierRecordsWithoutASnapshot) {
   leave(false);
   reload();
   const std::uint64_t then = hash_at(strokes[2]);
@@ -116,7 +116,7 @@ TEST_F(JournalSalvage, WithoutASnapshotKeepsTheRecordsBeforeTheDamage) {
   EXPECT_EQ(ask("GET", "/v1/sessions/block/replay").status, 200U);
 }
 
-TEST_F(JournalSalvage, ADamagedSnapshotIsNotUsedAndTheOneBeforeItIs) {
+TEST_F(JournalSalvage, DamagedSnapshotIsSkippedForTheOneBefore) {
   leave();
   const auto head = read_snapshot_head(previous_snapshot_file(journal()));
   ASSERT_TRUE(head);
@@ -134,7 +134,7 @@ TEST_F(JournalSalvage, ADamagedSnapshotIsNotUsedAndTheOneBeforeItIs) {
   EXPECT_EQ(salvaged->last_before, last);
 }
 
-TEST_F(JournalSalvage, AnUndoOfAStrokeThatIsOnlyInTheBlockHasNoEffect) {
+TEST_F(JournalSalvage, UndoOfAStrokeWithoutRecordsHasNoEffect) {
   leave();
   reload();
   const std::uint64_t without = undo(strokes[0]);
@@ -148,7 +148,7 @@ TEST_F(JournalSalvage, AnUndoOfAStrokeThatIsOnlyInTheBlockHasNoEffect) {
   EXPECT_EQ(session->solid().hash(), hash);
 }
 
-TEST_F(JournalSalvage, DamageOnBothSidesOfTheSnapshotEndsTheNewJournalBeforeTheSecond) {
+TEST_F(JournalSalvage, NewJournalEndsBeforeDamageAfterTheSnapshot) {
   leave();
   reload();
   const std::uint64_t then = hash_at(strokes[3] + 4);
@@ -180,7 +180,7 @@ TEST_F(JournalSalvage, ASalvagedJournalCanBeSalvagedAgain) {
   EXPECT_EQ(salvaged.hash, then[salvaged.last]);
 }
 
-TEST_F(JournalSalvage, NothingIsReplacedAndNothingStaysOfAFailure) {
+TEST_F(JournalSalvage, FailureReplacesAndLeavesNothing) {
   leave(false);
   std::ofstream(out()) << "mine";
   const auto taken = salvage_journal(journal(), out());
@@ -198,7 +198,7 @@ TEST_F(JournalSalvage, NothingIsReplacedAndNothingStaysOfAFailure) {
   }
 }
 
-TEST_F(JournalSalvage, AGoodJournalIsKeptWhole) {
+TEST_F(JournalSalvage, IntactJournalIsKeptWhole) {
   leave();
   const SalvagedJournal salvaged = replace();
   EXPECT_EQ(salvaged.damage.reason, "");

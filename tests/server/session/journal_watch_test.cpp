@@ -28,7 +28,7 @@ class JournalWatchTest : public DamageTest {
   test::ManualExecutor watcher;
 };
 
-TEST_F(JournalWatchTest, DamageBelowASnapshotIsReportedOnceAndTheOthersAreServed) {
+TEST_F(JournalWatchTest, DamageBeforeASnapshotIsReportedOnce) {
   leave();
   damage_record(journal(), strokes[0] + 3);
   reload();
@@ -54,7 +54,7 @@ TEST_F(JournalWatchTest, DamageBelowASnapshotIsReportedOnceAndTheOthersAreServed
   EXPECT_TRUE(body(ask("GET", "/v1/sessions/other"))["damaged"].is_null());
 }
 
-TEST_F(JournalWatchTest, AGoodJournalIsReadAgainAfterAWhile) {
+TEST_F(JournalWatchTest, IntactJournalIsVerifiedPeriodically) {
   leave();
   reload();
   JournalWatch watch(*registry, watcher, small_parts());
@@ -69,7 +69,7 @@ TEST_F(JournalWatchTest, AGoodJournalIsReadAgainAfterAWhile) {
   EXPECT_EQ(damages.size(), 1U);
 }
 
-TEST_F(JournalWatchTest, AJournalThatCannotBeReadForAMomentIsNotDamagedAndReadLater) {
+TEST_F(JournalWatchTest, TemporaryReadFailureIsNotDamage) {
   leave();
   damage_record(journal(), strokes[1] + 15);
   reload();
@@ -88,7 +88,7 @@ TEST_F(JournalWatchTest, AJournalThatCannotBeReadForAMomentIsNotDamagedAndReadLa
   EXPECT_EQ(damages.size(), 1U);
 }
 
-TEST_F(JournalWatchTest, WorkIsDividedByPausesAndEndsWithTheServer) {
+TEST_F(JournalWatchTest, WorkHasPausesAndEndsWithTheServer) {
   leave();
   damage_record(journal(), strokes[1] + 15);
   reload();
@@ -103,7 +103,7 @@ TEST_F(JournalWatchTest, WorkIsDividedByPausesAndEndsWithTheServer) {
   EXPECT_TRUE(damages.empty());
 }
 
-TEST_F(JournalWatchTest, AScanFindsAnyDamagedRecordAndSaysIfItWasStopped) {
+TEST_F(JournalWatchTest, ScanFindsAnyDamagedRecordAndReportsAStop) {
   leave();
   ASSERT_TRUE(scan_journal(journal()));
   std::stop_source stop;
@@ -124,7 +124,7 @@ TEST_F(JournalWatchTest, AScanFindsAnyDamagedRecordAndSaysIfItWasStopped) {
   }
 }
 
-TEST_F(JournalWatchTest, WhatNeedsADamagedRecordNamesItAndIsNeverBusy) {
+TEST_F(JournalWatchTest, RequestsForADamagedRecordNameIt) {
   leave();
   damage_record(journal(), strokes[0] + 3);
   const std::string at = "?at=" + std::to_string(strokes[2]);
@@ -194,7 +194,7 @@ std::filesystem::perms for_others(const std::filesystem::path& file) {
   return std::filesystem::status(file).permissions() & (group_all | others_all);
 }
 
-TEST_F(JournalWatchTest, FilesOfASessionAreForItsUserOnly) {
+TEST_F(JournalWatchTest, FilesOfASessionArePrivate) {
   leave();
   reload();
   const auto joined = session->join({ParticipantKind::kAgent, "Bob", "", 1, true});

@@ -138,7 +138,7 @@ TEST_F(Maintenance, ClosedSessionsAreCheckedAndCopiedToo) {
   EXPECT_TRUE(broken.has("closed/broken.kerf: ")) << broken.said;
 }
 
-TEST_F(Maintenance, FaultsAreNamedWithWhatToDo) {
+TEST_F(Maintenance, FaultsAreNamedWithTheRemedy) {
   leave();
   std::filesystem::resize_file(snapshot(), std::filesystem::file_size(snapshot()) - 1);
   const Outcome cut = check(folder.path());
@@ -202,7 +202,7 @@ TEST_F(Maintenance, ADamagedPageIsFoundInAnyTable) {
       << checked.said;
 }
 
-TEST_F(Maintenance, AFolderOfNoServerIsNoGoodOne) {
+TEST_F(Maintenance, FolderWithoutAServersFilesIsAnError) {
   const test::TemporaryFolder other;
   const Outcome outcomes[] = {check(other.path()), back_up_to(other.path(), other / "to")};
   for (const Outcome& outcome : outcomes) {
@@ -217,7 +217,7 @@ TEST_F(Maintenance, AFolderOfNoServerIsNoGoodOne) {
   EXPECT_EQ(check(other.path()).said, "");
 }
 
-TEST_F(Maintenance, SalvageSaysWhatItKeeps) {
+TEST_F(Maintenance, SalvageReportsWhatItKeeps) {
   leave();
   damage_record(journal(), strokes[0] + 3);
   const Outcome salvaged = run([this] { return salvage(journal(), folder / "out"); });

@@ -20,7 +20,7 @@ class SessionClosing : public DamageTest {
   test::FaultyDisk disk;
 };
 
-TEST_F(SessionClosing, OnAFullDiskTheSessionStaysOpenAndLosesNothing) {
+TEST_F(SessionClosing, FullDiskKeepsTheSessionOpen) {
   session = *registry->create("block", kScene, SceneSource{});
   const auto id = session->join({ParticipantKind::kAgent, "Ada", "", 1, true})->id;
   stroke(id, 0);
@@ -63,7 +63,7 @@ TEST_F(SessionClosing, OnAFullDiskTheSessionStaysOpenAndLosesNothing) {
   EXPECT_EQ(registry->closed().size(), 1U);
 }
 
-TEST_F(SessionClosing, OneWhoseJournalCannotBeMovedIsOpenedAgain) {
+TEST_F(SessionClosing, SessionReopensIfItsJournalCannotBeMoved) {
   session = *registry->create("block", kScene, SceneSource{});
   stroke(session->join({ParticipantKind::kAgent, "Ada", "", 1, true})->id, 0);
   const std::uint64_t solid = session->solid().hash();

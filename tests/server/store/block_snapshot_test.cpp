@@ -107,7 +107,7 @@ class BlockSnapshots : public testing::Test {
   std::filesystem::path file = folder / "block.kerf-snapshot";
 };
 
-TEST_F(BlockSnapshots, ARestoredBlockGoesOnAsTheOneThatWasSaved) {
+TEST_F(BlockSnapshots, RestoredBlockContinuesIdentically) {
   for (const auto& [rays, keep_normals] :
        {std::pair(Rays::kDexel, true), std::pair(Rays::kDexel, false),
         std::pair(Rays::kTriDexel, true)}) {
@@ -178,7 +178,7 @@ TEST_F(BlockSnapshots, EveryTruncationAndEveryFlippedByteIsFound) {
   EXPECT_TRUE(read_snapshot(file, like));
 }
 
-TEST_F(BlockSnapshots, AHeadThatIsWrongBelowARightChecksumIsRejectedOrDoesNoHarm) {
+TEST_F(BlockSnapshots, ForgedHeadIsRejectedOrHarmless) {
   const SculptureSettings settings = settings_of(Rays::kDexel, false);
   Sculpture sculpture = carved(settings, 10);
   ASSERT_TRUE(write_snapshot(file, head_of(sculpture), sculpture.state()));
@@ -241,7 +241,7 @@ TEST_F(BlockSnapshots, ForeignAndNewerFilesAreNamed) {
   }
 }
 
-TEST_F(BlockSnapshots, ADiskThatFailsLeavesTheSnapshotBefore) {
+TEST_F(BlockSnapshots, FailingDiskKeepsThePreviousSnapshot) {
   const SculptureSettings settings = settings_of(Rays::kDexel, true);
   Sculpture sculpture = carved(settings);
   ASSERT_TRUE(write_snapshot(file, head_of(sculpture), sculpture.state()));

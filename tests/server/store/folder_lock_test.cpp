@@ -27,7 +27,7 @@ TEST(FolderLock, IsHeldByOneAtATimeAndNamesItsProcess) {
   EXPECT_FALSE(FolderLock::take(folder.path()));
 }
 
-TEST(FolderLock, OfAMissingFolderIsAnError) {
+TEST(FolderLock, MissingFolderIsAnError) {
   const test::TemporaryFolder folder;
   const auto lock = FolderLock::take(folder / "nothing");
   ASSERT_FALSE(lock);
@@ -49,7 +49,7 @@ class OrdinaryUser {
   uid_t user_ = geteuid();
 };
 
-TEST(FolderLock, OfAFolderThatCannotBeWrittenToNamesItsOwner) {
+TEST(FolderLock, UnwritableFolderErrorNamesItsOwner) {
   const test::TemporaryFolder folder;
   std::filesystem::permissions(folder.path(), std::filesystem::perms(0777));
   {

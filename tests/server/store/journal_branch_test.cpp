@@ -35,7 +35,7 @@ void write_carved_again(const std::filesystem::path& file) {
   ASSERT_TRUE(writer->flush());
 }
 
-TEST(JournalBranch, StatesTheKernelOfItsRecordsAndNotOfLaterOnes) {
+TEST(JournalBranch, StatesTheKernelOfItsRecordsOnly) {
   const test::TemporaryFolder folder;
   const std::filesystem::path parent = folder / "demo.kerf";
   write_carved_again(parent);

@@ -115,7 +115,7 @@ TEST_F(JournalChangeTest, CopyHasEveryRowOfTheJournal) {
             1);
 }
 
-TEST_F(JournalChangeTest, AFinishedCopyThatGoesOnHasEachWholeChangeAtOnce) {
+TEST_F(JournalChangeTest, ResumedCopyHasEachWholeChangeAtOnce) {
   JournalWriter writer = create();
   JournalChanges changes(file_);
   append_motions(writer, 40);
@@ -148,7 +148,7 @@ AttachmentChange attached(const std::string& name, std::size_t bytes) {
   return {"grant", name, std::vector<std::byte>(bytes, std::byte{7})};
 }
 
-TEST_F(JournalChangeTest, AttachmentsComeToTheCopyAreReplacedThereAndGo) {
+TEST_F(JournalChangeTest, AttachmentsAreCopiedReplacedAndRemoved) {
   JournalWriter writer = create();
   JournalChanges changes(file_);
   auto first = JournalCopy::create(copied_);
@@ -185,7 +185,7 @@ TEST_F(JournalChangeTest, AttachmentsComeToTheCopyAreReplacedThereAndGo) {
   EXPECT_TRUE(read_attachments(copied_)->empty());
 }
 
-TEST_F(JournalChangeTest, LargeAttachmentsAreSeveralChangesOfWhichOnlyTheLastIsWhole) {
+TEST_F(JournalChangeTest, LargeAttachmentsAreSplitAndOnlyTheLastPartIsWhole) {
   JournalWriter writer = create();
   for (const char* name : {"a", "b", "c"}) writer.append(attached(name, kChangeBytes));
   ASSERT_TRUE(writer.flush());
@@ -220,7 +220,7 @@ TEST_F(JournalChangeTest, ADamagedAttachmentIsLeftOutAndAllCanBeRemovedFromAFile
   EXPECT_EQ(read_attachments(file_)->front().name, "b");
 }
 
-TEST_F(JournalChangeTest, ACopyIsOfNoEpochUntilASessionIsRunWithIt) {
+TEST_F(JournalChangeTest, CopyHasNoEpochUntilASessionRunsOnIt) {
   JournalChanges changes(file_);
   create();
   EXPECT_EQ(epoch_written(file_), 1U);
@@ -317,7 +317,7 @@ TEST_F(JournalChangeTest, ChangesAfterTheLastWholeOneAreLeftOut) {
   EXPECT_EQ(dump(copied_), rows);
 }
 
-TEST_F(JournalChangeTest, AWriterThatHasOnlyWhatIsWholeGoesOnFromThere) {
+TEST_F(JournalChangeTest, ContinuesFromTheLastWholeChange) {
   JournalWriter writer = create();
   JournalChanges changes(file_);
   auto copy = JournalCopy::create(copied_);
@@ -340,7 +340,7 @@ TEST_F(JournalChangeTest, AWriterThatHasOnlyWhatIsWholeGoesOnFromThere) {
   EXPECT_EQ(dump(copied_), dump(file_));
 }
 
-TEST_F(JournalChangeTest, TheEndOfAJournalIsThatOfItsCopy) {
+TEST_F(JournalChangeTest, EndOfAJournalEqualsThatOfItsCopy) {
   JournalWriter writer = create();
   JournalChanges changes(file_);
   ASSERT_TRUE(changes.next());
@@ -364,7 +364,7 @@ TEST_F(JournalChangeTest, ACopyWithoutAWholeChangeIsNotFinished) {
       << "more than the journal and its side files is left";
 }
 
-TEST_F(JournalChangeTest, ChangesThatDoNotFollowOrAreNoneAreRefused) {
+TEST_F(JournalChangeTest, NonconsecutiveOrMalformedChangesAreRejected) {
   JournalWriter writer = create();
   append_motions(writer, 10);
   JournalChanges changes(file_);

@@ -99,7 +99,7 @@ class JournalFaults : public testing::Test {
   std::uint64_t accepted = 0;
 };
 
-TEST_F(JournalFaults, NothingIsWrittenAfterAFailedGroupUntilThatGroupIs) {
+TEST_F(JournalFaults, FailedGroupBlocksLaterWrites) {
   auto writer = JournalWriter::create(file, header);
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(append(*writer));
   ASSERT_TRUE(writer->flush());
@@ -170,7 +170,7 @@ TEST_F(JournalFaults, AFullDiskUnderTheDatabaseOnlyDelaysTheCheckpoint) {
   expect_prefix(motions_after_a_crash(), accepted);
 }
 
-TEST_F(JournalFaults, FinishOnAFullDiskReportsTheLossAndKeepsWhatWasDurable) {
+TEST_F(JournalFaults, FinishOnAFullDiskReportsTheLossAndKeepsDurableRecords) {
   auto writer = JournalWriter::create(file, header);
   for (int i = 0; i < 10; ++i) ASSERT_TRUE(append(*writer));
   ASSERT_TRUE(writer->flush());
@@ -230,7 +230,7 @@ TEST_F(JournalFaults, ReadingByParticipantIsOnePassAndChecksEveryRecord) {
   EXPECT_FALSE(stopped->next()) << "while it sorts";
 }
 
-TEST_F(JournalFaults, HashesBeyondTheLastRecordAreDroppedAndNotTakenForLaterRecords) {
+TEST_F(JournalFaults, HashesBeyondTheLastRecordAreDropped) {
   {
     auto writer = JournalWriter::create(file, header);
     for (int i = 0; i < 10; ++i) ASSERT_TRUE(append(*writer));

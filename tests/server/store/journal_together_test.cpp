@@ -20,7 +20,7 @@ class JournalTogether : public testing::Test {
   std::filesystem::path file_ = folder_ / "demo.kerf";
 };
 
-TEST_F(JournalTogether, CommandsThatStandTogetherAreCommittedTogether) {
+TEST_F(JournalTogether, GroupedCommandsAreCommittedTogether) {
   constexpr int kTogether = 40, kTimes = 400, kFlushed = 100;
   auto writer = JournalWriter::create(file_, kHeader);
   ASSERT_TRUE(writer) << describe(writer.error());
@@ -49,7 +49,7 @@ TEST_F(JournalTogether, CommandsThatStandTogetherAreCommittedTogether) {
   EXPECT_EQ(count("SELECT count(*) FROM batches WHERE count%40<>0"), 0) << "one was divided";
 }
 
-TEST_F(JournalTogether, CommandsThatDoNotAllHaveSpaceAreRejectedTogether) {
+TEST_F(JournalTogether, GroupedCommandsAreRejectedTogether) {
   auto writer = JournalWriter::create(file_, kHeader);
   ASSERT_TRUE(writer) << describe(writer.error());
   const std::vector<RecordedCommand> many(kJournalBufferRecords + 1, StrokeChange{1, true});

@@ -129,7 +129,7 @@ TEST(RecordBatch, ARepeatedExactDurationIsNotStoredAgain) {
   EXPECT_LT(encoder.encode(records).size(), 1000U);
 }
 
-TEST(RecordBatch, DamageNeverCrashesAndABatchNeedsThoseBefore) {
+TEST(RecordBatch, DamageNeverCrashesAndBatchesNeedTheirPredecessors) {
   std::mt19937_64 random(6);
   BatchEncoder encoder;
   const auto first = random_records(random, 30), second = random_records(random, 30);

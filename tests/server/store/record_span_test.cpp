@@ -35,7 +35,7 @@ TEST(RecordSpan, HasTheseBytes) {
   EXPECT_TRUE(std::ranges::equal(row->bytes, content));
 }
 
-TEST(RecordSpan, OneThatIsCutOrHasImpossibleNumbersIsRejected) {
+TEST(RecordSpan, TruncatedOrImpossibleSpanIsRejected) {
   std::vector<std::byte> span;
   append_span_row(span, {{1, 3, 0, 0}, 0, bytes_of({1, 2, 3})});
   for (std::size_t size = 1; size < span.size(); ++size) {
@@ -52,7 +52,7 @@ TEST(RecordSpan, OneThatIsCutOrHasImpossibleNumbersIsRejected) {
   }
 }
 
-TEST(JournalOrigin, IsReadAsItWasWritten) {
+TEST(JournalOrigin, RoundTrips) {
   const JournalOrigin origin{"block", "{}", {{"a.stl", std::string("\0x", 2)}, {"b.ply", ""}}};
   const std::vector<std::byte> bytes = encode_origin(origin);
   const auto read = read_origin(bytes);

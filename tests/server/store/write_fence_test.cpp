@@ -52,7 +52,7 @@ TEST(WriteFence, AJournalAcceptsCommandsOnlyWhileItIsOpen) {
   EXPECT_EQ(writer->durable_sequence(), 1U);
 }
 
-TEST(RaiseEpoch, TheNextOpeningIsOfThatEpochAtLeast) {
+TEST(RaiseEpoch, NextOpeningHasAtLeastThatEpoch) {
   const test::TemporaryFolder folder;
   const auto file = folder / "demo.kerf";
   ASSERT_TRUE(JournalWriter::create(file, {"demo", "{}", {}, 1}));

@@ -46,7 +46,7 @@ TEST_F(Carving, TheThreadOfASessionIsNotNice) {
   EXPECT_EQ(niceness["workers"], std::max(own, 5));
 }
 
-TEST_F(Carving, TwoAgentsAndAProgramAtOnceRemoveWhatTheyState) {
+TEST_F(Carving, TwoAgentsAndAProgramRemoveTheStatedVolume) {
   Watcher eve(port);
   std::vector<std::future<double>> hands;
   for (const int n : {0, 1}) {
@@ -70,7 +70,7 @@ TEST_F(Carving, TwoAgentsAndAProgramAtOnceRemoveWhatTheyState) {
   EXPECT_EQ(eve.settled(now.at("state_hash")).at("motions"), now.at("motions"));
 }
 
-TEST_F(Carving, AnAgentIsAnsweredWhileAProgramRunsThatIsCancelled) {
+TEST_F(Carving, AgentIsAnsweredWhileAProgramRuns) {
   std::string text = "G21 G90 T2 M6\nG0 X0 Y0 Z-1\n";
   for (int n = 0; n < 20'000; ++n) {
     text += "G1 X" + std::to_string(n % 2 == 0 ? -15 : 15) + " Y" + std::to_string(n % 30 - 15) +
@@ -88,7 +88,7 @@ TEST_F(Carving, AnAgentIsAnsweredWhileAProgramRunsThatIsCancelled) {
 }
 
 // A motion of a flat tool as wide as the block takes many turns of the session.
-TEST_F(Carving, AnAgentIsAnsweredWhileAMotionOfAnotherSweepsTheWholeBlock) {
+TEST_F(Carving, AgentIsAnsweredDuringALargeMotionOfAnother) {
   Json accuracy = kBlock.at("accuracy");
   accuracy["pitch_mm"] = 0.1;
   create(

@@ -61,7 +61,7 @@ class Downloads : public WholeServer {
   std::uint64_t participant = 0;
 };
 
-TEST_F(Downloads, HaveTheStateHashAsTheirTag) {
+TEST_F(Downloads, HaveTheStateHashAsETag) {
   const Answer model = get("model.stl");
   EXPECT_EQ(model.status, 200U);
   EXPECT_EQ(model.header("ETag"), "\"" + hash() + "\"");
@@ -112,7 +112,7 @@ TEST_F(Downloads, HaveTypeFirstBytesAndNameOfEachFormat) {
   EXPECT_EQ(fault("program.ngc?post=heidenhain"), "422 bad_post") << "the machine is tool-vector";
 }
 
-TEST_F(Downloads, OfModelsAreAsLargeAsIsAskedFor) {
+TEST_F(Downloads, ModelsHaveTheRequestedSize) {
   const Answer few = get("model.stl?triangles=500");
   EXPECT_LE((few.body.size() - 84) / 50, 500U);
   EXPECT_TRUE(few.header("Content-Disposition").contains("\"block-500-triangles.stl\""));
@@ -154,14 +154,14 @@ TEST_F(Downloads, AreSentInParts) {
   EXPECT_EQ(get("program.apt", {{"Range", "bytes=0-6"}}).body, "PARTNO/");
 }
 
-TEST_F(Downloads, OfProgramsCarveTheSameSolid) {
+TEST_F(Downloads, ProgramsCarveTheSameSolid) {
   for (const std::string name : {"program.ngc", "program.apt"}) {
     const std::string session = name == "program.ngc" ? "ngc" : "apt";
     EXPECT_EQ(carved(session, get(name).body, name), hash()) << name;
   }
 }
 
-TEST_F(Downloads, OfProgramsAreOfRecordsOrJoinedWithinATolerance) {
+TEST_F(Downloads, ProgramsSelectRecordsAndJoinWithinATolerance) {
   const std::size_t whole = count(get("program.apt").body, "GOTO/");
   const std::size_t part = count(get("program.apt?from=100&to=150").body, "GOTO/");
   EXPECT_GE(part, 40U);
@@ -179,7 +179,7 @@ TEST_F(Downloads, OfProgramsAreOfRecordsOrJoinedWithinATolerance) {
   EXPECT_EQ(fault("program.ngc?participant=x"), "400 bad_participant");
 }
 
-TEST_F(Downloads, OfForcesHaveALineForEachMotionAndTheWholeVolume) {
+TEST_F(Downloads, ForcesHaveALineForEachMotionAndTheWholeVolume) {
   const auto all = lines(get("forces.csv").body);
   ASSERT_FALSE(all.empty());
   EXPECT_EQ(all[0], "t_s,x,y,z,i,j,k,fx_n,fy_n,fz_n,tx_nmm,ty_nmm,tz_nmm,removed_mm3,imprint_mm3");
@@ -200,14 +200,14 @@ TEST_F(Downloads, OfForcesHaveALineForEachMotionAndTheWholeVolume) {
   }
 }
 
-TEST_F(Downloads, OfThinWallsNameThePitch) {
+TEST_F(Downloads, ThinWallsNameThePitch) {
   const Json report = get("thin_walls.json").json();
   EXPECT_EQ(report.at("pitch_mm"), 0.5);
   EXPECT_EQ(report.at("count"), report.at("walls").size());
   EXPECT_TRUE(report.at("target").is_null());
 }
 
-TEST_F(Downloads, OfTheJournalOpenElsewhereWithTheSameHash) {
+TEST_F(Downloads, JournalOpensElsewhereWithTheSameHash) {
   const std::string expected = hash();
   std::ofstream(journal("copy"), std::ios::binary) << get("journal").body;
   restart();

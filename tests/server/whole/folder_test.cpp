@@ -74,7 +74,7 @@ TEST_F(DataFolder, DamagedJournalsDoNotAffectOtherSessions) {
   EXPECT_EQ(error("POST", "/v1/sessions?id=flipped", kBlock.dump()), "409 session_exists");
 }
 
-TEST_F(DataFolder, AJournalOfAnotherKernelIsCarvedAgainWithALineOfTheLog) {
+TEST_F(DataFolder, JournalOfAnotherKernelIsRecarvedAndLogged) {
   carve(200);
   const std::string expected = hash();
   wait_for_the_journal();
@@ -93,7 +93,7 @@ TEST_F(DataFolder, AJournalOfAnotherKernelIsCarvedAgainWithALineOfTheLog) {
   EXPECT_TRUE(log_of_a_restart().contains("replay gives state hash"));
 }
 
-TEST_F(DataFolder, AHashBeyondTheLastRecordIsDroppedWithALineOfTheLog) {
+TEST_F(DataFolder, HashBeyondTheLastRecordIsDroppedAndLogged) {
   carve(50);
   const std::string expected = hash();
   wait_for_the_journal();
@@ -104,7 +104,7 @@ TEST_F(DataFolder, AHashBeyondTheLastRecordIsDroppedWithALineOfTheLog) {
   EXPECT_FALSE(log_of_a_restart().contains("the journal ends after"));
 }
 
-TEST_F(DataFolder, ASessionAtItsLimitIsPausedAndClosedOnesComeBack) {
+TEST_F(DataFolder, SessionAtItsLimitIsPausedAndClosedOnesReopen) {
   carve(200);
   wait_for_the_journal();
   const std::string expected = hash();

@@ -69,7 +69,7 @@ std::vector<Row> rows() {
 
 using HostileFrames = WholeServer;
 
-TEST_F(HostileFrames, EachClosesItsOwnConnection) {
+TEST_F(HostileFrames, EachViolationClosesItsOwnConnection) {
   Hand ada(port);
   for (const Row& row : rows()) {
     Watcher mallory(port, {{"name", "Mallory"}});
@@ -98,7 +98,7 @@ TEST_F(HostileFrames, AnAgentWhoseConnectionBreaksIsRemoved) {
   EXPECT_EQ(people.at(0).at("name"), "Ada");
 }
 
-TEST_F(HostileFrames, AnAckOfAFrameThatWasNeverSentIsABadSequence) {
+TEST_F(HostileFrames, AckOfAnUnsentFrameIsABadSequence) {
   Watcher eve(port);
   eve.settled();
   const std::uint32_t epoch = eve.welcome.at("epoch");

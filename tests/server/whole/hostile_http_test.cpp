@@ -216,7 +216,7 @@ TEST_F(HostileHttp, EachLengthAndCodingGetsItsAnswer) { expect_answers(kBodies);
 TEST_F(HostileHttp, EachUpgradeGetsItsAnswer) { expect_answers(kUpgrades); }
 
 // A proxy that read the rest as the body would forward a smuggled request.
-TEST_F(HostileHttp, WhatFollowsAnUnknownTransferCodingIsNoRequest) {
+TEST_F(HostileHttp, BytesAfterAnUnknownTransferCodingAreNoRequest) {
   for (const std::string method : {"GET", "OPTIONS"}) {
     const std::string all =
         answers(method + " /v1/sessions HTTP/1.1\r\n" + kHost + "Origin: http://localhost\r\n" +
@@ -226,7 +226,7 @@ TEST_F(HostileHttp, WhatFollowsAnUnknownTransferCodingIsNoRequest) {
   }
 }
 
-TEST_F(HostileHttp, ConnectionsCarryOneRequestAfterTheOther) {
+TEST_F(HostileHttp, ConnectionsCarrySuccessiveRequests) {
   const std::string all = answers(repeated(kGet + kEnd, 3));
   int found = 0;
   for (auto at = all.find("{\"status\":\"ok\"}"); at != all.npos;
@@ -279,7 +279,7 @@ class ManyConnections : public HostileHttp {
   }
 };
 
-TEST_F(ManyConnections, OfOneClientKeepNobodyOut) {
+TEST_F(ManyConnections, FromOneClientExcludeNobody) {
   Hand ada(port);
   // A client of another network, whose connection is idle meanwhile.
   const Peer patient(port, "127.0.0.2");

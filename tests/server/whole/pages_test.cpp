@@ -49,7 +49,7 @@ TEST_F(Pages, ANameThatAForeignDnsPointsHereIsRejected) {
   EXPECT_EQ(info().at("motions"), 0);
 }
 
-TEST_F(Pages, OfAnAllowedOriginMayReadAndChange) {
+TEST_F(Pages, FromAllowedOriginsMayReadAndChange) {
   const std::string origin = "https://kerf.example";
   EXPECT_EQ(
       ask("GET", "/v1/sessions", "", {{"Origin", origin}}).header("Access-Control-Allow-Origin"),
@@ -62,7 +62,7 @@ TEST_F(Pages, OfAnAllowedOriginMayReadAndChange) {
   EXPECT_EQ(ask("DELETE", "/v1/sessions/block", "", {{"Origin", origin}}).status, 200U);
 }
 
-TEST_F(Pages, OfOtherOriginsMayNotReadAndChangeNothing) {
+TEST_F(Pages, FromOtherOriginsMayNeitherReadNorChange) {
   const Headers evil = {{"Origin", "https://evil.example"}};
   const Answer read = ask("GET", "/v1/sessions", "", evil);
   EXPECT_EQ(read.status, 200U);
@@ -101,7 +101,7 @@ TEST_F(Pages, AreServedWithoutHiddenFilesAndFolders) {
 
 class ForwardedPages : public WholeServer {};
 
-TEST_F(ForwardedPages, AServerWithoutRightsRejectsWhatAProxyForwards) {
+TEST_F(ForwardedPages, AreRejectedWithoutRights) {
   EXPECT_EQ(error("GET", "/v1/sessions", "", {{"X-Forwarded-For", "203.0.113.7"}}),
             "403 forwarded");
   EXPECT_EQ(ask("GET", "/v1/sessions").status, 200U);
@@ -155,7 +155,7 @@ class ListedMetrics : public WholeServer {
   }
 };
 
-TEST_F(ListedMetrics, AreThoseOfTheReadme) {
+TEST_F(ListedMetrics, MatchTheReadme) {
   std::set<std::string> listed;
   for (const std::string& cell : names(source("server/metrics/README.md"), "^\\| (`[^|]*)\\|")) {
     listed.merge(names(cell, "\\b(kerf_[a-z_]+)"));
@@ -167,7 +167,7 @@ TEST_F(ListedMetrics, AreThoseOfTheReadme) {
   EXPECT_EQ(listed, expected);
 }
 
-TEST_F(ListedMetrics, AreShownByTheDashboard) {
+TEST_F(ListedMetrics, MatchTheDashboard) {
   std::set<std::string> known = served();
   known.insert("kerf_refused_total");
   int expressions = 0;

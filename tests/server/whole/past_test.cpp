@@ -61,7 +61,7 @@ class PointsInTime : public WholeServer {
   }
 };
 
-TEST_F(PointsInTime, StrokesAreUndoneRedoneAndKept) {
+TEST_F(PointsInTime, StrokesAreUndoneRedoneAndPersisted) {
   auto ada = std::make_unique<Hand>(port), bo = std::make_unique<Hand>(port, "block", "Bo");
   auto eve = std::make_unique<Watcher>(port);
   ada->stroke(0);
@@ -137,7 +137,7 @@ TEST_F(PointsInTime, HaveTheirBlockAndForces) {
   }
 }
 
-TEST_F(PointsInTime, OneViewerLooksAtThemWhileOthersCarveAndWatch) {
+TEST_F(PointsInTime, ViewersLookBackWhileTheSessionContinues) {
   Hand ada(port);
   Watcher past(port), live(port, {{"name", "Bo"}});
   std::map<std::uint64_t, std::string> hashes;
@@ -192,7 +192,7 @@ TEST_F(PointsInTime, ProgramsAreSentAgainAfterEachSeek) {
   }
 }
 
-TEST_F(PointsInTime, SeeksThatCannotBeMetAreRejected) {
+TEST_F(PointsInTime, ImpossibleSeeksAreRejected) {
   Hand(port).stroke(0);
   std::vector<std::unique_ptr<Watcher>> viewers;
   for (int n = 0; n < 5; ++n) viewers.push_back(std::make_unique<Watcher>(port));
@@ -217,7 +217,7 @@ TEST_F(PointsInTime, SeeksThatCannotBeMetAreRejected) {
   reached(last, 1);
 }
 
-TEST_F(PointsInTime, AVersionAndABranchFromItOutlastARestart) {
+TEST_F(PointsInTime, VersionAndItsBranchSurviveARestart) {
   const std::string untouched = hash();
   auto ada = std::make_unique<Hand>(port);
   ada->stroke(0);

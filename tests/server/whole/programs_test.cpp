@@ -42,7 +42,7 @@ class Programs : public WholeServer {
   }
 };
 
-TEST_F(Programs, ThatArePausedSteppedAndResumedCutTheSame) {
+TEST_F(Programs, PauseStepAndResumeKeepTheSolid) {
   const std::string text = spiral(300);
   run(text, "pace=fast", "straight");
   const Json program = upload(text, "pace=feed&speed=0.1&name=s.ngc");
@@ -71,7 +71,7 @@ TEST_F(Programs, ThatArePausedSteppedAndResumedCutTheSame) {
   EXPECT_EQ(hash(), hash("straight"));
 }
 
-TEST_F(Programs, CutTheSameAtEverySpeedAndOtherwiseWhenSampled) {
+TEST_F(Programs, SpeedKeepsTheSolidAndSamplingChangesIt) {
   const std::string text = spiral(60);
   run(text, "pace=fast", "straight");
   for (const auto& [session, query] :
@@ -106,7 +106,7 @@ TEST_F(Programs, HaveAStrokeForEachPass) {
   EXPECT_NEAR(undone.at("returned_mm3"), before / 3, before / 20);
 }
 
-TEST_F(Programs, OfAQueueRunOneAfterTheOther) {
+TEST_F(Programs, QueueRunsInOrder) {
   // Slow, so that it is still running when it is paused.
   const Json first = upload(spiral(20), "pace=feed&speed=0.1&name=first.ngc");
   change(first, "do=pause");
@@ -155,7 +155,7 @@ TEST_F(Programs, AreSentToViewersAndHaveAPath) {
   EXPECT_EQ(made("GET", below(program, "/path?points=20000")), whole);
 }
 
-TEST_F(Programs, WhoseTextIsWrongNameLineAndWord) {
+TEST_F(Programs, ErrorsNameLineAndWord) {
   const std::string programs = "/v1/sessions/block/programs";
   const Answer bad =
       ask("POST", programs + "?pace=fast&name=bad.ngc", "G21 G90 T1 M6\nG1 X1 F100\nG987 X2\nM2\n");
@@ -172,7 +172,7 @@ TEST_F(Programs, WhoseTextIsWrongNameLineAndWord) {
   upload(jump, "name=jump.nc&dialect=fanuc");
 }
 
-TEST_F(Programs, OrdersThatMakeNoSenseAreRejected) {
+TEST_F(Programs, InvalidOrdersAreRejected) {
   const Json program = upload(spiral(200), "pace=feed&speed=0.1&name=s.ngc");
   for (const auto& [query, answer] : {std::pair{"", "400 bad_value"},
                                       {"do=jump", "400 bad_order"},
@@ -199,7 +199,7 @@ TEST_F(Programs, OrdersThatMakeNoSenseAreRejected) {
   }
 }
 
-TEST_F(Programs, WithoutAnEndLetAPinBeSetAtOnce) {
+TEST_F(Programs, EndlessProgramsDoNotDelayPins) {
   // Each takes seconds of CPU time to reach the limit of lines.
   const std::string text = "O1\nT1 M6\n#1=0\nWHILE[1EQ1]DO1\n#1=#1+1\nEND1\nM30\n";
   std::vector<Peer> peers;

@@ -102,7 +102,7 @@ TEST_F(Invitations, AnOwnerMutesAndRemoves) {
   EXPECT_GT(grace.result().removed_mm3, 0);
 }
 
-TEST_F(Invitations, ThatAreRevokedOrExpireEndConnections) {
+TEST_F(Invitations, RevocationAndExpiryEndConnections) {
   const Json invitation = invite("watcher");
   // Valid for long enough to join with it.
   const std::string one = invitation.at("token"), brief = token("watcher&hours=0.0009");
@@ -120,7 +120,7 @@ TEST_F(Invitations, ThatAreRevokedOrExpireEndConnections) {
   }
 }
 
-TEST_F(Invitations, OnlyATrustedProxySaysWhatItsClientsUse) {
+TEST_F(Invitations, OnlyTrustedProxiesDescribeTheirClients) {
   for (const bool is_trusted : {false, true}) {
     if (is_trusted) {
       options.http.proxies = *net::TrustedProxies::parse({"10.0.0.1", "127.0.0.0/8"});
@@ -143,7 +143,7 @@ TEST_F(Invitations, OnlyATrustedProxySaysWhatItsClientsUse) {
   }
 }
 
-TEST_F(Invitations, LastOverARestartAndAreInABackup) {
+TEST_F(Invitations, SurviveARestartAndAreInABackup) {
   const std::string ada = token("sculptor&name=Ada"), eve = token("watcher&name=Eve");
   restart();
   {
@@ -176,7 +176,7 @@ class OpenServer : public WholeServer {
   }
 };
 
-TEST_F(OpenServer, GuestsWatchAndCarveAndDestroyNothing) {
+TEST_F(OpenServer, GuestsWatchAndCarveButCannotDestroy) {
   Watcher eve(port);
   EXPECT_EQ(eve.welcome.at("role"), "guest");
   Hand ada(port);
@@ -225,7 +225,7 @@ TEST(Reach, AnAdministratorsTokenIsLongAndNeverPrinted) {
   EXPECT_FALSE(server.error().contains("too-short")) << server.error();
 }
 
-TEST(Reach, AServerOnAllAddressesStatesOneThatCanBeOpened) {
+TEST(Reach, ServerOnAllAddressesStatesAUsableOne) {
   const TemporaryFolder folder;
   for (const char* address : {"0.0.0.0", "::"}) {
     net::ServerOptions options;

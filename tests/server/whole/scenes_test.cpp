@@ -9,7 +9,7 @@ namespace {
 
 using Scenes = WholeServer;
 
-TEST_F(Scenes, ThatAreWrongMakeNoSession) {
+TEST_F(Scenes, InvalidScenesCreateNoSession) {
   const std::string sessions = "/v1/sessions";
   EXPECT_EQ(error("POST", sessions, "{"), "400 bad_scene");
   EXPECT_EQ(error("POST", sessions, ""), "400 bad_scene");
@@ -28,7 +28,7 @@ TEST_F(Scenes, CannotReadFilesOfTheServer) {
   EXPECT_EQ(error("POST", "/v1/sessions", scene.dump()), "400 bad_scene");
 }
 
-TEST_F(Scenes, IdsOfSessionsAreSafe) {
+TEST_F(Scenes, SessionIdsAreSafe) {
   for (const std::string& id : {std::string(".."), std::string("a/b"), std::string("%2e%2e%2fx"),
                                 std::string("Upper"), std::string(65, 'a'), std::string("a%00b")}) {
     EXPECT_EQ(ask("POST", "/v1/sessions?id=" + id, kBlock.dump()).status, 400U) << id;

@@ -24,7 +24,7 @@ class Models : public WholeServer {
   }
 };
 
-TEST_F(Models, ThatWereDownloadedAreCarvedFurtherAndAreInTheJournal) {
+TEST_F(Models, DownloadedModelsAreCarvedAndJournaled) {
   Hand(port).carve(100);
   const std::string model = ask("GET", "/v1/sessions/block/model.ply").body;
   create("again", mesh_scene("again", sent("name=model.ply", model)));
@@ -42,7 +42,7 @@ TEST_F(Models, ThatWereDownloadedAreCarvedFurtherAndAreInTheJournal) {
   EXPECT_EQ(info("again").at("stock_volume_mm3"), before.at("stock_volume_mm3"));
 }
 
-TEST_F(Models, WithAHoleAreRepairedIfAsked) {
+TEST_F(Models, HolesAreRepairedOnRequest) {
   const std::string leaky = "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\n";
   const Json answer = made("POST", "/v1/files?name=leaky.obj&repair=1", leaky);
   EXPECT_TRUE(answer.at("repaired").get<std::string>().contains("closed 1 hole"));
@@ -52,7 +52,7 @@ TEST_F(Models, WithAHoleAreRepairedIfAsked) {
   EXPECT_NEAR(info("closed").at("stock_volume_mm3"), 9.0 * 9 * 9 / 6, 9);
 }
 
-TEST_F(Models, ThatAreNoneAreNamed) {
+TEST_F(Models, InvalidModelsAreNamed) {
   const std::string model = ask("GET", "/v1/sessions/block/model.ply").body;
   const std::string open = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
   const struct {
@@ -116,7 +116,7 @@ class UploadMemory : public WholeServer {
   }
 };
 
-TEST_F(UploadMemory, CountsUploadsFromTheirHeadersOn) {
+TEST_F(UploadMemory, CountsUploadsFromTheirHeaders) {
   std::vector<Peer> peers;
   for (int n = 0; n < 40; ++n) peers.push_back(begin("127.0.0." + std::to_string(2 + n)));
   EXPECT_TRUE(rejected(peers, 36).body.contains("all memory"));
@@ -124,7 +124,7 @@ TEST_F(UploadMemory, CountsUploadsFromTheirHeadersOn) {
   expect_taken();
 }
 
-TEST_F(UploadMemory, OfOneClientDoesNotKeepOthersOut) {
+TEST_F(UploadMemory, OneClientCannotUseItUp) {
   std::vector<Peer> peers;
   for (int n = 0; n < 10; ++n) peers.push_back(begin("127.0.0.2"));
   EXPECT_TRUE(rejected(peers, 8).body.contains("one client"));
@@ -156,7 +156,7 @@ class Memory : public WholeServer {
   }
 };
 
-TEST_F(Memory, OfUploadsThatBreakOffIsGivenBack) {
+TEST_F(Memory, AbortedUploadsReleaseIt) {
   const std::string part(50'000'000, ' ');
   const double before = status_mb("VmRSS:");
   std::vector<Peer> peers;
@@ -176,7 +176,7 @@ TEST_F(Memory, OfUploadsThatBreakOffIsGivenBack) {
 
 // Keeping all motions would take at least 112 bytes each: 90 MB. The programs take 30 to 50 MB,
 // including memory of the threads.
-TEST_F(Memory, OfAShortProgramWithManyMotionsIsLittle) {
+TEST_F(Memory, ManyMotionsNeedLittle) {
   if (!(std::ofstream("/proc/self/clear_refs") << "5" << std::flush)) {
     GTEST_SKIP() << "this machine does not begin the peak again";
   }

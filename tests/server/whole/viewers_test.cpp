@@ -42,7 +42,7 @@ TEST_F(Viewers, SettleOnTheStateHash) {
   EXPECT_GT(newest, 1U);
 }
 
-TEST_F(Viewers, ThatAreDistantGetCoarseTilesAndNearOnesExactTiles) {
+TEST_F(Viewers, DistantOnesGetCoarseTilesAndNearOnesExactTiles) {
   carve(200);
   Watcher near(port), far(port, {{"name", "Far"}});
   const auto look = [&](double error_rad) {
@@ -58,7 +58,7 @@ TEST_F(Viewers, ThatAreDistantGetCoarseTilesAndNearOnesExactTiles) {
   EXPECT_EQ(far.receive("error").at("code"), "too_fast");
 }
 
-TEST_F(Viewers, GetTheirFirstTilesForTheirFirstLook) {
+TEST_F(Viewers, FirstTilesFollowTheFirstLook) {
   carve(100);
   Watcher known(port, {{"look", kAfar}}), later(port, {{"look", true}});
   Json look = kAfar;
@@ -75,7 +75,7 @@ TEST_F(Viewers, GetTheirFirstTilesForTheirFirstLook) {
   EXPECT_TRUE(silent.has_levels_only(0));
 }
 
-TEST_F(Viewers, LearnFromMeshFramesWhichMotionsTheyInclude) {
+TEST_F(Viewers, MeshFramesStateTheirMotions) {
   carve(50);
   Watcher eve(port);
   const std::uint64_t motions = eve.settled().at("motions");
@@ -142,7 +142,7 @@ class Budgets : public Viewers {
   }
 };
 
-TEST_F(Budgets, AViewerIsNeverSentMoreAndHasEverythingExactlyInTheEnd) {
+TEST_F(Budgets, AreNeverExceededAndTheFinalStateIsExact) {
   CountedWatcher free(port, INFINITY), bound(port, 25'000, {{"budget", 25'000}});
   EXPECT_FALSE(free.welcome.contains("budget"));
   EXPECT_EQ(bound.welcome.at("budget"), 25'000);
@@ -165,7 +165,7 @@ TEST_F(Budgets, AViewerIsNeverSentMoreAndHasEverythingExactlyInTheEnd) {
   EXPECT_LE(bound.most, 0);
 }
 
-TEST_F(Budgets, AreTakenBackInALook) {
+TEST_F(Budgets, AreRemovedByALook) {
   CountedWatcher eve(port, 25'000, {{"budget", 25'000}});
   Json look = {{"type", "look"}, {"eye_mm", {0, 0, 500}}, {"error_rad", 0}, {"budget", 24'999}};
   eve.send(look);
@@ -175,7 +175,7 @@ TEST_F(Budgets, AreTakenBackInALook) {
   watch({&eve}, [&] { return eve.most > 0; });
 }
 
-TEST_F(Budgets, AreBoundedByTheServer) {
+TEST_F(Budgets, AreCappedByTheServer) {
   options.viewer_budget = 50'000;
   restart();
   const std::pair<Json, int> cases[] = {{Json::object(), 50'000},
@@ -239,7 +239,7 @@ class Crowd : public Viewers {
   }
 };
 
-TEST_F(Crowd, ThatReadsLateIsKeptAndCostsLittleText) {
+TEST_F(Crowd, LateReadersAreKeptAndCostLittleText) {
   std::atomic<bool> stop = false;
   auto changing = std::async(std::launch::async, [&] { change_tools(stop); });
   std::vector<std::unique_ptr<Watcher>> viewers;
