@@ -15,7 +15,7 @@ BUILD_ONLY=false
 SESSION=ammonite # the server names a session after its scene
 CHILDREN=()
 SERVER=
-WASM= # builds the kernel for pages while the server runs
+WASM= # pid of the build of the kernel for pages, in the background
 SCRATCH=
 
 usage() {
@@ -49,9 +49,9 @@ parse_options() {
 
 build() {
   local tests=ON programs=(kerf-server kerf-carve)
-  if [ -n "$(packages_missing test)" ]; then tests=OFF; fi # test.sh installs the packages that only tests need
+  if [ -n "$(packages_missing test)" ]; then tests=OFF; fi # only test.sh installs test packages
   install_sections build run
-  (install_sections wasm) || true # without it there is a page all the same, and build_wasm says what it lacks
+  (install_sections wasm) || true # the page works without it; build_wasm names the missing packages
   use_node
   if $DEMO || $BUILD_ONLY; then programs+=(kerf-agent kerf-demo); fi
   if $BUILD_ONLY; then programs+=(kerf_agent); fi
@@ -59,8 +59,9 @@ build() {
   build_all release -DKERF_TESTS=$tests -- web "${programs[@]}"
 }
 
-# Whether the kernel for pages can be built and never was: that takes minutes, in which the page works without it. One of
-# an older build is brought up to date before the page is served, because it may not be the server's kernel.
+# Whether the kernel for pages can be built but never was. That takes minutes, during which the page
+# works without it. A kernel from an older build must be updated before the page is served, because
+# it may not match the server's.
 is_wasm_new() {
   [ -z "$(packages_missing wasm)" ] && ! compgen -G 'web/public/*.wasm' >/dev/null
 }
@@ -78,7 +79,7 @@ find_port() {
   if [ "$PORT" != "$first" ]; then echo "Port $first is taken; using $PORT."; fi
 }
 
-# Ends the started programs: SIGTERM, after 5 s SIGKILL. Runs at every exit of this script.
+# Ends the started programs with SIGTERM, after 5 s with SIGKILL. Runs at every exit of this script.
 stop_children() {
   trap - EXIT
   trap '' INT TERM # a second Ctrl-C must not leave programs behind
@@ -94,7 +95,7 @@ stop_children() {
   if [ -n "$SCRATCH" ]; then rm -rf "$SCRATCH"; fi
 }
 
-# start NAME COMMAND...: in the background, with its output in a log.
+# start NAME COMMAND...: starts a program in the background, with its output in a log.
 start() {
   local log="$KERF_LOGS/$1.log"
   shift
@@ -124,7 +125,7 @@ start_server() {
   server_failed "The server did not answer /healthz within 15 s."
 }
 
-# Prints the address at which this machine reaches the server.
+# Prints the address under which this machine reaches the server.
 local_address() {
   case "$LISTEN" in 0.0.0.0|::|'[::]') echo "127.0.0.1:$PORT" ;; *) echo "$LISTEN:$PORT" ;; esac
 }
@@ -135,12 +136,12 @@ start_hand() {
 }
 
 start_wasm() {
-  # A group of its own, so that all of it can be ended.
+  # A process group of its own, so that all of it can be ended.
   start wasm setsid nice docker/machine.sh wasm
   WASM=$!
 }
 
-# Gives the page, which is served, the modules.
+# Copies the modules to the page that is being served.
 serve_wasm() {
   local module
   for module in web/public/*.wasm; do
@@ -153,7 +154,8 @@ start_demo() {
   start_hand second Grace '#1e7ad9'
 }
 
-# Waits until the server ends or Ctrl-C; reports a simulated hand that fails, and the end of the page's kernel.
+# Waits until the server ends or Ctrl-C is pressed. Reports a failed hand and the end of the
+# kernel's build.
 watch_over() {
   local ended rc hands=$((${#CHILDREN[@]} - 1))
   if [ "${KERF_WASM:-}" = later ]; then start_wasm; fi

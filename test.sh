@@ -36,8 +36,9 @@ parse_options() {
   case "$PRESET" in release|dev|asan|tsan) ;; *) fail "Unknown preset: $PRESET" ;; esac
 }
 
-# Fetches real NC programs and the reference interpreter rs274 from Debian's LinuxCNC packages (GPL) and unpacks them under
-# build/, without installing them. If this fails, the tests that need them skip with the reason.
+# Fetches real NC programs and the reference interpreter rs274 from Debian's LinuxCNC packages (GPL)
+# and unpacks them under build/ without installing them. If this fails, the tests that need them are
+# skipped with the reason.
 fetch_linuxcnc() {
   local dir="$KERF_ROOT/build/linuxcnc" log="$KERF_LOGS/linuxcnc.log"
   mkdir -p "$KERF_LOGS"
@@ -71,7 +72,8 @@ TXT
   ./rs274 -g check.ngc || rm rs274 # a missing library shows in the log, not in a test
 )
 
-# run_ctest NAME CTEST-OPTION...: runs one group of tests; failures are counted at the end, so that later groups still run.
+# run_ctest NAME CTEST-OPTION...: runs one group of tests. Failures are counted at the end, so that
+# later groups still run.
 run_ctest() {
   local name="$1"
   shift
@@ -88,12 +90,12 @@ run_web_tests() {
   [ -s "$RESULTS/vitest.json" ] || echo '{"numPassedTests":0,"numFailedTests":1}' >"$RESULTS/vitest.json"
 }
 
-# Prints the CPU seconds of all programs that this one has started and that have ended, by Linux's accounts (proc(5)).
+# Prints the CPU seconds of all ended child processes of this script, as counted by Linux (proc(5)).
 cpu_seconds() {
   awk -v hz="$(getconf CLK_TCK)" '{ sub(/^.*\) /, ""); printf "%.1f", ($14 + $15) / hz }' "/proc/$$/stat"
 }
 
-# note_cpu NAME BEFORE: notes what has been used since BEFORE.
+# note_cpu NAME BEFORE: records the CPU time used since BEFORE.
 note_cpu() { awk -v name="$1" -v now="$(cpu_seconds)" -v before="$2" 'BEGIN { print name, now - before }' >>"$RESULTS/cpu.txt"; }
 
 main() {

@@ -13,7 +13,8 @@ case $name in
 esac
 mkdir -p "$folder"
 
-# Prints lines "names <TAB> value <TAB> description", one for each option of a help text in CLI11's layout.
+# Prints a line "names <TAB> value <TAB> description" for each option of a help text in CLI11's
+# layout.
 options_of() {
   "$program" "$@" --help | awk '
     function flush() {
@@ -63,7 +64,7 @@ escaped() { sed 's/\\/\\e/g; s/-/\\-/g'; }
   done
 } >"$folder/$name.1"
 
-# Words that may follow the program's name: long options, and the subcommands.
+# Prints the words that may follow the program's name: long options and subcommands.
 words() {
   { options_of; for subcommand in $subcommands; do options_of "$subcommand"; done; } | cut -f1 | tr ',' '\n' | grep '^--' | sort -u
 }

@@ -15,14 +15,15 @@ install(FILES haptic_agent/demo/demo.json DESTINATION ${CMAKE_INSTALL_DATADIR}/k
 install(PROGRAMS haptic_agent/haply/kerf_haply.py RENAME kerf-haply DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT agent)
 install(FILES haptic_agent/70-kerf.rules DESTINATION lib/udev/rules.d COMPONENT agent)
 
-# The unit names the installed program, whose prefix is known only when it is installed (CPack changes it).
+# The unit file contains the program's path, which is known only at installation, because CPack
+# changes the prefix.
 install(CODE "
   set(KERF_SERVER_PROGRAM \${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}/kerf-server)
   configure_file(${PROJECT_SOURCE_DIR}/docker/kerf-server.service.in ${PROJECT_BINARY_DIR}/kerf-server.service @ONLY)
   " COMPONENT server)
 install(FILES ${PROJECT_BINARY_DIR}/kerf-server.service DESTINATION lib/systemd/system COMPONENT server)
 
-# Man pages and shell completions are generated from each program's --help while it is installed.
+# Generate man pages and shell completions from each program's --help during installation.
 function(kerf_install_help program component)
   set(out ${PROJECT_BINARY_DIR}/help/${program})
   install(CODE "
@@ -40,7 +41,8 @@ kerf_install_help(kerf-carve server)
 kerf_install_help(kerf-demo server)
 kerf_install_help(kerf-agent agent)
 
-# The libraries. kerf::kernel needs the standard library only; kerf::formats needs what kerfConfig.cmake.in finds.
+# The libraries. kerf::kernel only needs the standard library; kerf::formats needs the packages that
+# kerfConfig.cmake.in finds.
 set_target_properties(kerf_kernel PROPERTIES EXPORT_NAME kernel)
 set_target_properties(kerf_formats PROPERTIES EXPORT_NAME formats)
 set_target_properties(kerf_agent PROPERTIES EXPORT_NAME agent)
@@ -61,7 +63,8 @@ foreach(library kernel formats agent)
   install(FILES ${PROJECT_BINARY_DIR}/kerf-${library}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
 endforeach()
 
-# Public headers, and what they include: copied with their include paths changed to the installed ones.
+# Public headers and the headers that they include. They are copied with include paths changed to
+# the installed ones.
 set(kerf_public_headers
   kernel/sculpture.h kernel/kernel_version.h kernel/dexel/dexel_snapshot.h kernel/dexel/mesh_stock.h
   kernel/surface/tile_mesh.h

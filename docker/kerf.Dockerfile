@@ -44,7 +44,8 @@ RUN cmake --preset release -DKERF_TESTS=OFF \
  && for program in server agent; do docker/machine.sh libraries bin/kerf-$program >libraries/$program; done
 
 FROM debian:12-slim AS base
-# One user for both images, by number, so that a host's folder can be given to it before the first start.
+# Both images use one user with a fixed number, so that a host's folder can be given to it before
+# the first start.
 RUN useradd --system --uid 10001 --create-home --home-dir /var/lib/kerf kerf
 LABEL org.opencontainers.image.version="0.2.0" \
       org.opencontainers.image.licenses="Apache-2.0"
@@ -61,7 +62,7 @@ LABEL org.opencontainers.image.title="kerf-server" \
       org.opencontainers.image.description="Collaborative haptic sculpting: the server and its page"
 USER kerf
 VOLUME /var/lib/kerf
-# Defaults, each of which `-e` or an option replaces. The health check follows KERF_LISTEN.
+# Defaults. Options and `-e` replace them. The health check follows KERF_LISTEN.
 ENV KERF_LISTEN=0.0.0.0:8080 KERF_DATA=/var/lib/kerf
 EXPOSE 8080 8080/udp
 HEALTHCHECK --interval=5s --timeout=3s --start-period=60s \

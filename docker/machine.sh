@@ -30,7 +30,7 @@ step() {
   printf 'done (%d s)\n' $((SECONDS - begin))
 }
 
-# Prints the packages of the named sections, one a line.
+# Prints the packages of the named sections, one per line.
 packages_of() {
   local section
   for section in "$@"; do
@@ -38,7 +38,7 @@ packages_of() {
   done
 }
 
-# Prints those packages of the named sections that are not installed.
+# Prints the missing packages of the named sections.
 packages_missing() {
   local package
   packages_of "$@" | while read -r package; do
@@ -58,7 +58,8 @@ apt_install() {
   as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
 }
 
-# Installs the missing packages of the named sections. Calls apt only if any are missing, so that it works offline later.
+# Installs the missing packages of the named sections. Calls apt only if any are missing, so that it
+# also works offline.
 install_sections() {
   local missing
   mapfile -t missing < <(packages_missing "$@")
@@ -73,7 +74,8 @@ node_is_new_enough() {
     process.exit(a > 22 || (a === 22 && b >= 12) || (a === 20 && b >= 19) ? 0 : 1)'
 }
 
-# Puts a node that Vite accepts (20.19 or later) first on the PATH: the machine's, or otherwise node 22 from npm.
+# Puts a node that Vite accepts (20.19 or later) first on the PATH: the machine's own, or node 22
+# from npm.
 use_node() {
   if ! command -v npm >/dev/null; then install_sections node; fi
   if node_is_new_enough; then return; fi
@@ -86,7 +88,7 @@ use_node() {
   node_is_new_enough || fail "Node 20.19 or later could not be installed; put one on the PATH."
 }
 
-# Fetches the viewer's npm packages if the lock file has changed since the last time.
+# Fetches the viewer's npm packages if the lock file has changed since the last call.
 install_web() {
   use_node
   local lock="$KERF_ROOT/web/package-lock.json" stamp="$KERF_ROOT/web/node_modules/.kerf-lock"
@@ -96,8 +98,9 @@ install_web() {
   fi
 }
 
-# Builds the kernel for pages where its packages are: for those of a server, and for kerf.html, which needs none. What an
-# older build has left would not be the server's kernel.
+# Builds the kernel for pages, for those of a server and for kerf.html, if its packages are
+# installed. Otherwise deletes the modules of an older build, which would not match the server's
+# kernel.
 build_wasm() {
   local missing
   mapfile -t missing < <(packages_missing wasm)
@@ -116,7 +119,8 @@ build_page() {
   step "Building the web viewer" web npm --prefix "$KERF_ROOT/web" run build
 }
 
-# build_all PRESET [CMAKE-OPTION...] -- TARGET...: configures and builds; the target `web` is the viewer.
+# build_all PRESET [CMAKE-OPTION...] -- TARGET...: configures and builds. The target `web` is the
+# viewer.
 build_all() {
   local preset="$1" options=()
   shift
@@ -132,9 +136,10 @@ build_all() {
     cmake --build --preset "$preset" --target "$@"
 }
 
-# Prints the packages whose shared libraries a program loads: those that a slim image needs.
+# Prints the packages whose shared libraries a program loads, i.e. those that a slim image needs.
 libraries_of() {
-  # By name, not by path: dpkg lists /lib/x where the loader reports /usr/lib/x, a link to it.
+  # Search by name, not by path: dpkg lists /lib/x where the loader reports /usr/lib/x, a link to
+  # it.
   ldd "$1" | awk '$2 == "=>" { print $3 }' | xargs -n 1 realpath | sed 's|.*/|*-linux-gnu/|' |
     xargs dpkg-query -S | cut -d: -f1 | sort -u
 }

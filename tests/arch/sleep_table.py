@@ -8,7 +8,7 @@ KINDS = {
 }
 
 SLEEPS = [
-    # The helpers by which tests wait.
+    # Helpers with which tests wait.
     ("tests/support/eventually.h", 1, "poll", "eventually"),
     ("tests/server/waiting.py", 1, "poll", "eventually, on which until is built"),
     ("tests/e2e/support/processes.mjs", 2, "poll", "poll and until; the limit of stop"),
@@ -17,7 +17,7 @@ SLEEPS = [
     ("tests/agent/link/link_requests_test.cpp", 1, "poll", "wait_for, of a flag"),
     ("tests/agent/link/server_link_test.cpp", 2, "poll", "eventually; a ring that is full"),
     ("tests/usb/rig.h", 1, "poll", "eventually, every millisecond: the servo's period"),
-    # Polls of one test.
+    # Polls in single tests.
     ("tests/agent/chai3d/chai3d_test.cpp", 1, "poll", "what the server has seen, under its lock"),
     ("tests/agent/replica/replica_test.cpp", 1, "poll", "a limit of samples a second recovers"),
     ("tests/containers/run.sh", 2, "poll", "a container answers; started by hand"),
@@ -33,7 +33,7 @@ SLEEPS = [
     ("tests/server/snapshot_faults_test.cpp", 1, "poll", "a snapshot is written again"),
     ("tests/server/store/journal_fault_test.cpp", 1, "poll", "a journal pauses"),
     ("tests/server/udp_port_test.cpp", 1, "poll", "becomes, of a metric"),
-    # Devices, hands, lines and disks with a clock.
+    # Devices, hands, lines and disks that follow a clock.
     ("tests/agent/library/library_test.cpp", 2, "pace", "a user stops a loop in the middle"),
     ("tests/agent/link/udp_carve_test.cpp", 2, "pace", "a hand of 1 kHz, and its ring if full"),
     ("tests/agent/sound/sound_test.cpp", 1, "pace", "a sound card plays for a time"),
@@ -64,7 +64,7 @@ SLEEPS = [
     ("tests/usb/timing_test.cpp", 1, "pace", "a servo of 1 kHz"),
     ("tests/usb/usbfs_stub.cpp", 1, "pace", "the microframes of a bus"),
     ("web/test/replay/relay.test.ts", 2, "pace", "a line with a delay, on a clock of the test"),
-    # Nothing happens, or a clock runs out.
+    # Checks that nothing happens, or that a time limit expires.
     ("tests/e2e/strokes_live.mjs", 1, "quiet", "no page has anything left that it sends again"),
     ("tests/server/cluster/own_leases_test.cpp", 1, "quiet",
      "a NATS that is late: longer than one attempt, shorter than all"),

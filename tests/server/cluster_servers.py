@@ -115,7 +115,8 @@ class Cluster:
             return status == 200 and info["paused"] is None and not info["followed"]
 
         owners = [(name, server) for name, server in list(self.servers.items()) if runs(server)]
-        # They are asked one after the other: the lease of the first may have run out meanwhile.
+        # Ask again: the servers are queried one after another, so the first one's lease may have
+        # expired meanwhile.
         owners = [o for o in owners[:-1] if runs(o[1])] + owners[-1:]
         assert len(owners) < 2, f"two servers run the session: {[name for name, _ in owners]}"
         return owners[0][0] if owners else None
@@ -196,7 +197,7 @@ class ClusterAgent(DurableAgent):
             try:
                 return self.send(first)
             except (OSError, Closed, IndexError):
-                self.connect(None)  # which sends everything again
+                self.connect(None)  # sends everything again
                 return None
 
     def cut_all(self, samples):

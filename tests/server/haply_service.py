@@ -27,7 +27,7 @@ class Inverse3Model:
         self.calibrated, self.button, self.grips = True, False, True
         self.more_buttons = {"b": False, "c": False}
         self.forces, self.profiles, self.faults = [], [], []  # forces: (seconds, (x, y, z) in N)
-        self.odd = []  # messages, as text, to be sent in place of the next states, one each
+        self.odd = []  # messages, as text, that each replace one of the next states
 
     def newest_force(self):
         return self.forces[-1][1] if self.forces else None

@@ -17,7 +17,7 @@ import unittest
 
 FOLDER = os.environ.get("KERF_FAILED") or os.path.join(
     tempfile.gettempdir(), "kerf-failed", os.path.basename(sys.argv[0]).removesuffix("_test.py"))
-_case = FOLDER  # of the case that runs
+_case = FOLDER  # log folder of the running case
 _number = itertools.count(1)
 
 
@@ -29,7 +29,7 @@ def path_of(name):
 
 def keep(name, text):
     """Keeps what a program wrote, and returns it."""
-    # A test may have limited its files.
+    # The test may have limited its file size.
     with contextlib.suppress(OSError), open(path_of(name), "w", encoding="utf-8") as file:
         file.write(text)
     return text

@@ -14,10 +14,10 @@ from live_server import SCENE, LiveTest, until
 from waiting import eventually
 
 AGENT = os.environ["KERF_AGENT"]
-# The round trip, and stalls, of a bad connection to another continent.
+# Round trip and stalls of a bad connection to another continent.
 FAR = Line(rtt_s=0.1, jitter=0.2, loss=0.05, stall_s=0.2)
 MILL = 2
-LIMIT_S = 120  # only ends a failed test
+LIMIT_S = 120  # reached by a failed test only
 
 
 def table(poses):
@@ -174,10 +174,11 @@ class Recordings(AgentTest):
         self.assertEqual(set(row["mode"] for row in ticks), {"model", "paper", "silent"})
         most = max(sum(float(row[f"felt_f{i}_n"]) ** 2 for i in "xyz") ** 0.5 for row in ticks)
         self.assertAlmostEqual(most, status["force"]["max_n"], delta=1e-6)
-        # Never overwritten; the error says so before anything is carved.
+        # Never overwritten. The error comes before anything is carved.
         self.assertIn("exists; choose another name",
                       self.run_agent("--device", "sim", "--record", file, code=1))
-        # The replay reads its pose between the ticks' times, so the volume is equal, not the bytes.
+        # The replay reads poses between the ticks' times, so the volume is equal but the bytes are
+        # not.
         self.server.create("again", SCENE)
         self.run_agent("--device", "replay:" + file, session="again")
         removed = [self.server.info(name)["removed_volume_mm3"] for name in ("block", "again")]

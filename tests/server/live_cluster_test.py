@@ -91,7 +91,7 @@ class Takeover(ClusterTest):
         self.assertEqual(batches(self.cluster.path("a")), batches(self.cluster.path("b")))
         agent.move(50)
         agent.settle()
-        # Its own journal is behind now: it is not opened, and replaced when the session comes back.
+        # Its own journal is stale now: it is not opened, and is replaced when the session returns.
         self.cluster.start("a")
         self.assertEqual(self.cluster.owner(), "b")
         self.wait_for_other(b)
@@ -153,15 +153,15 @@ class NatsCluster(ClusterTest):
     def test_nothing_is_lost_when_a_server_of_nats_is_killed(self):
         for name in ("a", "b"):
             self.cluster.start(name, "--nats-replicas", "3")
-        # The streams of the leases and of the journal elect their leaders first.
+        # The streams of the leases and the journal must elect their leaders first.
         path, scene = "/v1/sessions?id=block&here=1", json.dumps(SCENE)
         until(self, lambda: self.cluster.servers["a"].http.request("POST", path, scene)[0], 201)
         agent = ClusterAgent(self.cluster, tip=RasterPath(0))
         agent.move(160)
         agent.settle()
-        agent.move(16)  # cut, and perhaps not copied yet
+        agent.move(16)  # cut, but perhaps not copied yet
         self.trio.kill(self.trio.leader("KERF_JOURNAL_block"))
-        agent.settle()  # when they are copied
+        agent.settle()  # returns once they are copied
         until(self, lambda: self.cluster.owner() is not None, True, 60)
         agent.move(160)
         agent.settle()

@@ -40,7 +40,7 @@ class FullDisk(LiveTest):
             agent.move([(0.001 * next(places), 0, -6)])
             return agent.result()["status"] & 4
 
-        # A commit before may wait for a slow disk.
+        # An earlier commit may be waiting for a slow disk.
         eventually(is_rejected, "motions are taken though the disk is full", 60, 0.002)
 
     def test_a_session_pauses_continues_and_loses_nothing_that_was_durable(self):
@@ -59,7 +59,7 @@ class FullDisk(LiveTest):
         self.assertEqual((self.server.info()["paused"], listed["paused"]), ("disk", "disk"))
         while viewer.receive_json("state").get("paused") != "disk":
             pass
-        # It tries again, and that is not logged again.
+        # The server retries, but does not log that again.
         before = self.failed_commits()
         until(self, lambda: self.failed_commits() >= before + 2, True)
         motions = self.server.info()["motions"]
@@ -76,7 +76,7 @@ class FullDisk(LiveTest):
         self.assertEqual(log.count("paused: disk"), 1, log)
         self.assertEqual(log.count("the session continues"), 1, log)
 
-        # A disk that is full at the start: the session is loaded when there is space.
+        # The disk is full at the start: the session is loaded once there is space.
         before = resource.getrlimit(resource.RLIMIT_FSIZE)
         resource.setrlimit(resource.RLIMIT_FSIZE, (0, before[1]))
         try:
@@ -92,7 +92,8 @@ class FullDisk(LiveTest):
         for figure in ("state_hash", "motions"):
             self.assertEqual(found[figure], expected[figure])
 
-        # Killed while it is paused, it goes on with what was durable; stopped, it names what is lost.
+        # If killed while paused, the server continues with the durable records. If stopped, it
+        # names the loss.
         durable = expected["motions"]
         for how in (signal.SIGKILL, signal.SIGTERM):
             self.fill(Agent(self.server.port, "block"))

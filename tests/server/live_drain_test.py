@@ -15,7 +15,7 @@ class Drain(LiveTest):
     def run_agent(self, port, session):
         path = os.path.join(self.folder.name, session + ".csv")
         with open(path, "w", encoding="ascii") as file:
-            file.write(rows(120.0))  # all agents cut for longer than one starts later
+            file.write(rows(120.0))  # long enough for all agents to cut at the same time
         return subprocess.Popen(
             [AGENT, "--server", f"http://127.0.0.1:{port}", "--session", session,
              "--name", session, "--device", "replay:" + path, "--tool", "2", "--status-json", "-"],
@@ -41,7 +41,7 @@ class Drain(LiveTest):
             agents = {"whole": self.run_agent(whole.port, "whole"),
                       "block": self.run_agent(self.server.port, "block"),
                       "other": self.run_agent(self.server.port, "other")}
-            for session in ("block", "other"):  # they are in the middle of their cuts
+            for session in ("block", "other"):  # wait until they are in the middle of their cuts
                 until(self, lambda name=session: self.server.info(name)["motions"] > 100, True)
             status, log = self.server.stop()
             self.assertEqual(status, 0, log)

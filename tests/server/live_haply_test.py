@@ -15,14 +15,14 @@ from machine_stalls import succeeds
 
 AGENT = os.environ["KERF_AGENT"]
 HAPLY = os.environ["KERF_HAPLY"]
-# Events that the load of the test machine causes.
+# Events caused by the load of the test machine.
 BUSY_MACHINE = ("lost_ticks", "lost_ticks_in_a_row", "device_lost")
 
 
 class Session(LiveTest):
     def carve(self, session):
         """Presses and cuts in a session of its own; returns the agent's summary and its log."""
-        start_s = time.monotonic() + 1.8  # the agent has joined and armed
+        start_s = time.monotonic() + 1.8  # by then the agent has joined and armed
 
         def aim(now_s):
             t = now_s - start_s

@@ -19,7 +19,7 @@ AGENT = os.environ["KERF_AGENT"]
 PLUGIN = os.environ["KERF_HAND_PLUGIN"]
 SOCKET_HAND = os.environ["KERF_SOCKET_HAND"]
 ROS2_NODE = os.path.join(os.path.dirname(PRESS_PY), "ros2_node.py")
-# Of the scene: pressing and cutting with the 10 mm ball stay below what the device may output.
+# Pressing and cutting with the scene's 10 mm ball stay below the device's limit.
 MOST_N = 6.0
 
 
@@ -29,7 +29,7 @@ class Examples(LiveTest):
         pressed, cut = map(float, re.search(
             r"greatest force: pressing ([0-9.]+) N, cutting ([0-9.]+) N", text).groups())
         self.assertTrue(0.1 < pressed <= MOST_N and 0.1 < cut <= MOST_N, text)
-        # A slot of 15 mm, in which the ball is pressed into the stock by a soft hand.
+        # A slot of 15 mm, into whose stock a soft hand presses the ball.
         self.assertGreater(self.server.info(session)["removed_volume_mm3"], 5, text)
 
     def press(self, commands):

@@ -107,7 +107,7 @@ class Process(LiveTest):
         self.assertNotIn("UDP: port", log)
         with open(journal, "rb") as file:
             self.assertEqual(file.read(), damaged)
-        # A session that exists is not created again.
+        # An existing session is not created again.
         self.server = Server(self.folder.name, "--scene", scenes[1], environment={
             "KERF_SCENE": scenes[0], "KERF_LOG_FORMAT": "json"})
         self.assertEqual(self.server.hash("one"), expected)
@@ -143,7 +143,7 @@ class Process(LiveTest):
             self.assertEqual(shell.wait(30), 0)
             self.assertEqual(streams, ["/dev/null"] * 3)
             self.assertEqual(soft, hard)
-        # A service without a certificate.
+        # This server has no certificate.
         self.server.process.send_signal(signal.SIGHUP)
         self.assertIn("SIGHUP: nothing is changed", self.server.log_line("SIGHUP"))
         self.assertEqual(self.server.http.request("GET", "/healthz")[0], 200)
@@ -155,8 +155,8 @@ class Process(LiveTest):
         to = os.path.join(self.folder.name, "copies")
         copy = os.path.join(to, "block.kerf")
         self.assertEqual(run("backup", self.folder.name, to), (0, copy + "\n"))
-        self.assertEqual(run("check", self.folder.name)[0], 0)  # beside the server, too
-        carve(Agent(self.port, "block"), 50, phase=1.0)  # the server goes on
+        self.assertEqual(run("check", self.folder.name)[0], 0)  # also while the server runs
+        carve(Agent(self.port, "block"), 50, phase=1.0)  # the server continues
         status, text = run("check", to)
         self.assertEqual(status, 0, text)
         status, text = run("replay", copy)
@@ -168,7 +168,7 @@ class Process(LiveTest):
         self.assertEqual(run("backup", self.folder.name, to)[0], 1)  # no file is replaced
         out = os.path.join(self.folder.name, "out")
         self.assertEqual(run("salvage", copy, out)[0], 0)
-        for folder, _, files in os.walk(self.folder.name):  # for their user only
+        for folder, _, files in os.walk(self.folder.name):  # private to their user
             for name in files:
                 self.assertEqual(os.stat(os.path.join(folder, name)).st_mode & 0o077, 0, name)
 

@@ -17,7 +17,7 @@ from wire_client import PATIENCE, WAIT_S, Http, WebSocket  # noqa: E402
 
 PROGRAM = os.environ["KERF_SERVER"]
 
-# A test that takes this long prints where it is; ctest ends most of them after 300 s.
+# A test that takes this long prints its stack. ctest ends most tests after 300 s.
 faulthandler.dump_traceback_later(280 * PATIENCE)
 
 SCENE = {

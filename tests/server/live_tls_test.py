@@ -114,7 +114,7 @@ class Tls(unittest.TestCase):
         self.assertFalse(link["udp"]["asked"])
         self.assertEqual(link["udp"]["datagrams_sent"], 0)
         link = self.run_agent(url, "--ca", self.path("ca.pem"), "--udp")
-        # The keys of the datagrams came through TLS.
+        # The keys for the datagrams were sent over TLS.
         self.assertTrue(link["udp"]["offered"])
         self.assertGreater(link["udp"]["samples"], 0)
         info = self.ask("GET", "/v1/sessions/block")
@@ -141,7 +141,7 @@ class Tls(unittest.TestCase):
         self.assertIn("new connections", self.server.log_line("SIGHUP"))
         self.assertNotEqual(self.serial(), first)
         agent.move([(1, 0, 5)])
-        agent.result()  # over the connection from before
+        agent.result()  # over the earlier connection
 
 
 if __name__ == "__main__":

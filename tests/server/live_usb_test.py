@@ -16,16 +16,16 @@ from waiting import eventually
 AGENT = os.environ["KERF_AGENT"]
 MOCK_PEN = os.environ["KERF_MOCK_PEN"]
 WRAPPER = os.environ["KERF_UMOCKDEV_WRAPPER"]
-# Limits of force and torque: below the force of the cut (6 N), so that the limit is reached, and low
-# enough that the motors stay within their thermal limits (3 N and 100 N·mm as means of 10 s).
+# Limits of force and torque: low enough to be reached by the force of the cut (6 N), and for the
+# motors to stay within their thermal limits (means over 10 s of 3 N and 100 N·mm).
 MAX_N, MAX_NMM = 4.0, 80.0
-# Largest change of a wrench by rounding the six motors' torques to 0.1 N·mm.
+# Maximum change of a wrench caused by rounding the six motors' torques to 0.1 N·mm.
 ROUNDING_N, ROUNDING_NMM = 0.01, 0.2
-# Trips that a loaded test machine can cause: delayed reports arrive as one jump of the pose.
+# Trips that a loaded test machine can cause: delayed reports look like a jump of the pose.
 BUSY_MACHINE = {"lost_ticks", "lost_ticks_in_a_row", "pose_jump", "tip_too_fast"}
 # Longer than the agent's own delays; the tests assert none of these times.
 RELEASE_S, ARMING_S = 0.4, 0.8
-# Rows (y, z) to cut, 6 mm wide and 2 mm deep: side by side, then in the next layer.
+# Rows (y, z) to cut, 6 mm wide and 2 mm deep: one next to the other, then in the next layer.
 ROWS = [(y, z) for z in range(-2, -17, -2) for y in range(-15, 16, 6)]
 
 
@@ -163,8 +163,8 @@ class Session(LiveTest):
         self.assertEqual(self.pen.felt(), (0, 0))
         self.retract()
 
-        # The wrench of a full cut reaches a limit: that of the torque, at which force and torque are
-        # shortened by one factor.
+        # The wrench of a full cut reaches the torque limit, at which force and torque are scaled by
+        # one factor.
         self.feel_a_cut(least_nmm=MAX_NMM - ROUNDING_NMM)
         self.retract()
         for address in range(6, 9):
@@ -172,10 +172,11 @@ class Session(LiveTest):
             self.unplug()
             if "device_lost" in self.trips():
                 break
-            self.plug(address)  # a loaded machine had tripped the agent before
+            self.plug(address)  # a loaded machine has tripped the agent earlier
         self.assertIn("device_lost", self.trips())
 
-        # After reconnecting it carves again, but displays no force until the grip was released.
+        # After reconnecting it carves again, but displays no force until the grip has been
+        # released.
         before = self.removed()
         self.plug(9)
         self.retract()
@@ -185,7 +186,7 @@ class Session(LiveTest):
         self.wait_for(lambda: self.removed() > before + 100, "the agent does not carve after reconnecting")
         self.assertEqual(self.pen.felt(), (0, 0))
         self.retract()
-        # So does a request of the user, whose hand still holds the grip.
+        # A request by the user, whose hand still holds the grip, has the same effect.
         before = self.log().count("the force is on")
         self.agent.send_signal(signal.SIGUSR1)
         self.wait_for(lambda: self.log().count("the force is on") > before, "SIGUSR1 has no effect")

@@ -5,9 +5,9 @@ import os
 import subprocess
 import sys
 
-# Above the agent's threads (90 at most) and the simulated device's (95).
+# Above the threads of the agent (at most 90) and of the simulated device (95).
 PRIORITY = 98
-# Waking late by this much loses a tick of a 1 kHz loop, whatever the loop does.
+# Waking up this late loses a tick of a 1 kHz loop in any case.
 STALL_S = 0.002
 
 WATCH = f"""

@@ -14,7 +14,7 @@ import time
 MAGIC = 0x3146524B
 MOTION, RESULT, MESH, TOOLS, ACK, PING, PONG = 1, 2, 3, 4, 5, 6, 7
 CUTTING = 1
-# The limits of time are for a server at full speed; a sanitizer's build takes so many times longer.
+# Time limits are for a server at full speed. A sanitizer's build multiplies them by this.
 PATIENCE = float(os.environ.get("KERF_TEST_PATIENCE", "1"))
 WAIT_S = 30 * PATIENCE
 
@@ -126,7 +126,7 @@ class WebSocket:
         """Returns the next message: ("text", dict) or ("binary", bytes)."""
         end = time.monotonic() + timeout
         while True:
-            self.socket.settimeout(max(0.01, end - time.monotonic()))  # pings do not prolong it
+            self.socket.settimeout(max(0.01, end - time.monotonic()))  # pings do not extend it
             first, second = self._take(2)
             length = second & 127
             if length == 126:
@@ -171,7 +171,7 @@ def parse_header(frame):
     return {"type": kind, "flags": flags, "epoch": epoch, "sequence": sequence, "time_us": time_us}
 
 
-NEW_EPOCH = 2  # of a new session: its journal was created and opened
+NEW_EPOCH = 2  # epoch of a new session: its journal was created and opened
 
 
 def header(kind, payload_bytes, sequence=1, epoch=NEW_EPOCH):
@@ -231,7 +231,7 @@ class Viewer(WebSocket):
         self.welcome = self.receive_json("welcome")
         self.participant = self.welcome["participant"]
         self.keeps_meshes = False
-        self.meshes = {}  # if so: place and coded mesh of each tile
+        self.meshes = {}  # if set: position and encoded mesh of each tile
         self.tools = []
 
     def take(self, timeout=WAIT_S):
