@@ -369,7 +369,7 @@ ApiResponse Api::ready(const ApiCall& call) {
                {"paused", paused},
                {"damaged", damaged},
                {"unreadable", unreadable}};
-  // An invitation is for one session and gives no right to list others.
+  // An invitation is for one session and does not allow the list.
   if (!may(call.caller.role, Action::kList) || !call.caller.grant.empty()) {
     for (const char* list : {"loading", "paused", "damaged", "unreadable"}) {
       json[list] = json[list].size();

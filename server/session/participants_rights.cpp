@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of Participants that applies the roles and what owners decide about others.
+// The part of Participants that applies roles and the decisions of owners.
 #include <algorithm>
 #include <ranges>
 #include <utility>

@@ -11,18 +11,18 @@ struct SessionLimits {
   std::size_t agents_max = 32;
   std::size_t viewers_max = 2000;
   std::size_t programs_max = 16;  ///< running at the same time
-  /// Of one agent, on average: 1 kHz plus a margin for fast clocks.
+  /// Average rate of one agent: 1 kHz plus a margin for fast clocks.
   double samples_per_s = 1250;
-  /// Of one agent, at once. An agent that follows the protocol (wire/README, "limits") sends 900 at
+  /// Burst of one agent. An agent that follows the protocol (wire/README, "limits") sends 900 at
   /// once. Samples sent before a pause of the network, at most 0.42 s, may arrive with them: 900 +
   /// 515.
   double samples_burst = 1500;
   double speed_mm_per_s = 5000;  ///< of the tip while cutting
-  /// Of all agents and programs together, and of all viewers: admits an audience that arrives at
-  /// the same time, but not a peer that joins and leaves repeatedly.
+  /// Joins of all agents and programs together, and of all viewers. Admits an audience that arrives
+  /// at the same time, but not a peer that joins and leaves repeatedly.
   double carver_joins_per_s = 10, carver_joins_burst = 100;
-  /// Of one invitation with its passes. If agents_max people use the same link, all may join,
-  /// restart their agents together, and then each once in 30 s.
+  /// Joins with one invitation and its passes. If agents_max people use the same link, all may
+  /// join, restart their agents together, and then each once in 30 s.
   double invitation_joins_per_s = 1, invitation_joins_burst = 64;
   double viewer_joins_per_s = 250, viewer_joins_burst = 1000;
   /// How long a viewer waits for its turn before it is rejected: long enough for viewers_max to

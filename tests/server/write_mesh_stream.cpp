@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes what a server sends to a viewer that verifies, over half an hour in which a block is
+// Writes the messages of a server to a verifying viewer, over half an hour in which a block is
 // carved now and then: mesh frames, state messages and the digests of all tiles, for the tests of
 // the page (web/test/support/mesh_stream.bin). Usage: write_mesh_stream FILE
 
@@ -71,7 +71,7 @@ std::string state_of(Sculpture& sculpture) {
   return text;
 }
 
-/// Sends what has changed, acknowledged at once, and the state.
+/// Sends all changes, acknowledges them at once, and sends the state.
 void send(Sculpture& sculpture, TileFeed& feed, ViewerId viewer, std::uint32_t ms, Stream& to) {
   while (auto mesh = feed.next_frame(viewer)) {
     feed.ack(viewer, mesh->sequence);

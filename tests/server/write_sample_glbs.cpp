@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes one GLB of every kind that Kerf produces into a folder, for gltf-validator: the download
-// of a carved block; mesh frames with many tiles, with an empty tile among others, with an empty
-// tile only, and without tiles. Usage: write_sample_glbs FOLDER
+// of a carved block; mesh frames with many tiles of which one is empty, with an empty tile only,
+// and without tiles. Usage: write_sample_glbs FOLDER
 
 #include <cstdio>
 #include <filesystem>
