@@ -34,62 +34,6 @@ bool is_below_session(const std::vector<std::string>& path) {
   return path.size() > 2 && path[0] == "v1" && path[1] == "sessions";
 }
 
-ApiResponse json_response(unsigned status, std::string json) {
-  ApiResponse response;
-  response.status = status;
-  response.body = std::move(json) + "\n";
-  return response;
-}
-
-ApiResponse error_response(unsigned status, std::string_view code, std::string_view reason,
-                           std::string_view path) {
-  Json error = {{"code", code}, {"reason", reason}};
-  if (!path.empty()) error["path"] = path;
-  return json_response(status,
-                       Json{{"error", error}}.dump(-1, ' ', false, Json::error_handler_t::replace));
-}
-
-ApiResponse rejection_response(const Rejection& rejection, unsigned otherwise) {
-  using enum wire::ErrorCode;
-  const wire::ErrorCode code = rejection.code;
-  const unsigned status = code == kBusy                           ? 503
-                          : code == kNotAllowed || code == kMuted ? 403
-                          : code == kUnknownSession               ? 404
-                          : code == kDamagedJournal               ? 500
-                                                                  : otherwise;
-  return error_response(status, wire::to_string(code), rejection.reason);
-}
-
-ApiResponse error_response(const Error& error) {
-  const auto status = [&]() -> unsigned {
-    switch (error.kind) {
-      case ErrorKind::kInvalid:
-        return 400;
-      case ErrorKind::kNotAllowed:
-        return 403;
-      case ErrorKind::kUnknown:
-        return 404;
-      case ErrorKind::kConflict:
-        return 409;
-      case ErrorKind::kBusy:
-        return 503;
-    }
-    return 500;
-  };
-  return error_response(status(), error.code, error.reason);
-}
-
-std::optional<ApiResponse> flush_failure(Session& session) {
-  if (const auto flushed = session.flush(); !flushed) {
-    return error_response(503, "busy", describe(flushed.error()));
-  }
-  return std::nullopt;
-}
-
-ApiResponse not_found() {
-  return error_response(404, "not_found", "there is no resource at this path");
-}
-
 bool is_coming(const SessionRegistry& registry, const std::string& id, bool only_looks) {
   if (registry.is_loading(id)) return true;
   if (registry.places() == nullptr) return false;

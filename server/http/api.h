@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <exception>
 #include <expected>
 #include <map>
 #include <memory>
@@ -73,6 +74,8 @@ struct ApiResponse {
 ApiResponse error_response(unsigned status, std::string_view code, std::string_view reason,
                            std::string_view path = {});
 ApiResponse error_response(const Error& error);
+/// The response after an exception: 503 if memory was short, else 500.
+ApiResponse exception_response(const std::exception& error);
 /// Blocks until everything recorded is committed, so that a 2xx answer means durable. Returns a 503
 /// if the disk fails, else nullopt.
 std::optional<ApiResponse> flush_failure(Session& session);

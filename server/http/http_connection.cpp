@@ -119,10 +119,8 @@ asio::awaitable<ApiResponse> Connection::handle(ApiRequest& request, Runs runs,
   auto work = [&api = context_.api, request = std::move(request)] {
     try {
       return api.handle(request);
-    } catch (const std::bad_alloc&) {
-      return out_of_memory();
     } catch (const std::exception& error) {
-      return error_response(500, "internal_error", error.what());
+      return exception_response(error);
     }
   };
   end_deadline();

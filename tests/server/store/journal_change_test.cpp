@@ -16,8 +16,7 @@ namespace kerf {
 namespace {
 
 ListChange stored(const std::string& name, std::int64_t record, const std::string& person) {
-  return {.table = "versions",
-          .stored = ListRow{name, record, std::int64_t{5}, std::int64_t{6}, "Ada", person}};
+  return {.table = "versions", .stored = ListRow{name, record, record, record, "Ada", person}};
 }
 
 class JournalChangeTest : public testing::Test {
@@ -41,13 +40,11 @@ class JournalChangeTest : public testing::Test {
   }
 
   static void add_participant(JournalWriter& writer, ParticipantId id, const std::string& name) {
-    JournalParticipant participant;
-    participant.participant = id;
-    participant.name = name;
-    participant.color = "#ff0000";
-    participant.kind = "agent";
-    participant.token = TokenHash{};
-    writer.append(participant);
+    writer.append(JournalParticipant{.participant = id,
+                                     .name = name,
+                                     .color = "#ff0000",
+                                     .kind = "agent",
+                                     .token = TokenHash{}});
     ASSERT_TRUE(writer.flush());
   }
 
