@@ -19,8 +19,7 @@ struct HttpContext {
   Metrics& metrics;
   Api& api;
   IoThreads& immediate;                                        ///< requests that never block
-  FairQueue &control, &history, &workers, &readers, &exports;  ///< queues of Runs::kSession and so
-                                                               ///< on
+  FairQueue &control, &history, &workers, &readers, &exports;  ///< queues by Runs
   PeerContext& peers;                           ///< for connections that become WebSockets
   OpenConnections& open;                        ///< viewers' thread only
   const TlsCertificate* certificate = nullptr;  ///< null without TLS

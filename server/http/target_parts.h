@@ -32,8 +32,7 @@ struct TargetFacts {
   Vec3 shift_mm;        ///< added to the file's coordinates, after scaling
   double unit_mm = 1;   ///< mm per unit of the file
   std::string author;   ///< grant that stored it; empty if none
-  std::string fault;    ///< why the mesh bounds no solid, so that signs are unreliable; empty if it
-                        ///< does
+  std::string fault;    ///< why the mesh bounds no solid; empty if it does
 };
 
 /// A part with which blocks are compared. Immutable.

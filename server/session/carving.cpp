@@ -222,8 +222,7 @@ std::optional<Rejection> Carving::leave_stock(ParticipantState& state,
     state.is_in_stock = sculpture_.is_in_stock(state.track.tool(), *state.track.pose());
   }
   if (!cuts(sample)) return std::nullopt;
-  if (!state.is_in_stock) {  // the motion out of the stock is not cut here, but the agent's replica
-                             // has cut it
+  if (!state.is_in_stock) {  // the motion out of the stock is only cut in the agent's replica
     if (state.stock) state.stock->reset();
     return std::nullopt;
   }

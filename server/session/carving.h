@@ -147,8 +147,7 @@ class Carving {
   using Applied = std::expected<std::optional<MotionResult>, Rejection>;
   /// A motion of a program that is searched for gouges.
   struct Searched {
-    std::optional<DexelSnapshot> before = {};  ///< the field before the motion, until the motion is
-                                               ///< complete
+    std::optional<DexelSnapshot> before = {};  ///< the field before it, until it is complete
     CarvedMotion carved = {};
     std::optional<GougeCheck> check = {};
   };
@@ -203,14 +202,11 @@ class Carving {
   std::map<ParticipantId, Searched> searched_;  ///< by program with a target
   std::set<TileIndex> changed_;
   std::map<ParticipantId, Batch> batches_;  ///< batches in progress
-  std::vector<ParticipantId> waiting_;      ///< participants with queued batches, in order of
-                                            ///< arrival
+  std::vector<ParticipantId> waiting_;      ///< with queued batches, in order of arrival
   std::map<ParticipantId, Cut> cuts_;
   std::optional<std::vector<Since>> since_;  ///< set while collecting
-  std::uint32_t program_line_ = 0;           ///< program line of the motion being recorded; 0 if
-                                             ///< none
-  std::vector<ParticipantId> left_;          ///< participants that left, whose cuts may be in
-                                             ///< progress
+  std::uint32_t program_line_ = 0;           ///< program line being recorded; 0 if none
+  std::vector<ParticipantId> left_;          ///< left, with cuts that may be in progress
   Clock::duration work_time_{0};
   std::atomic<std::uint64_t> motions_applied_{0};
   CpuCosts costs_;

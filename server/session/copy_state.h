@@ -13,8 +13,7 @@ namespace kerf {
 /// How far the copy of a session's journal on other machines has come.
 struct CopyState {
   std::uint64_t record = 0;  ///< last record whose copy was acknowledged
-  std::string fault;         ///< one sentence: why nothing is being copied; empty while copying
-                             ///< works
+  std::string fault;         ///< why nothing is copied, as one sentence; else empty
   friend bool operator==(const CopyState&, const CopyState&) = default;
 };
 

@@ -40,8 +40,7 @@ struct JournalWatch::Impl : std::enable_shared_from_this<Impl> {
     bool has_worked = false;
     try {
       has_worked = verify_part();
-    } catch (const std::exception&) {  // e.g. not enough memory for the files of a scene: retry
-                                       // later
+    } catch (const std::exception&) {  // e.g. not enough memory: retry later
     }
     const auto took = std::chrono::duration_cast<std::chrono::microseconds>(options.now() - begun);
     post(has_worked ? std::max(options.pause, options.pause_factor * took) : options.idle);

@@ -48,13 +48,11 @@ struct JoinRequest {
   bool returned = false;      ///< the agent's replica accepts returned stock tile by tile
   bool intent = false;        ///< receives the poses of tools near its own
   bool durable = false;       ///< the agent resends samples that are not durable; it gets a token
-  std::string token = {};     ///< token of the participant to continue as; a new one if empty or
-                              ///< unknown
+  std::string token = {};     ///< of the participant to continue as; if unknown, a new one
   Role role = Role::kAdministrator;
   std::string grant = {};       ///< grant by which it joins; empty if none
   bool is_personal = false;     ///< the grant belongs to one person
-  std::string invitation = {};  ///< the grant, or the invitation that the grant is a pass of; empty
-                                ///< if none
+  std::string invitation = {};  ///< the grant, or the invitation of a pass; empty if none
   bool is_muted = false;
   std::string network = {};  ///< network of the peer, for limits; empty if unknown
   bool has_turn = false;     ///< the viewer has waited for viewer_turn()

@@ -16,8 +16,7 @@ struct CarvedMotion {
   double removed_mm3 = 0;
   double stock_contact_mm = 0;      ///< maximum depth of shank or holder in the stock
   double cutting_n = 0;             ///< mean cutting force; 0 where forces are not computed
-  double collision_n = 0;           ///< maximum push of obstacles along the motion; 0 where forces
-                                    ///< are not computed
+  double collision_n = 0;           ///< maximum push of obstacles; 0 without forces
   double film_mm3 = 0;              ///< AlarmLimits::film_mm3 of its tool
   std::optional<Gouge> gouge = {};  ///< gouge of the target part
 };

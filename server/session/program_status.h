@@ -60,8 +60,7 @@ struct ProgramGlance {
 
 struct ProgramStatus : ProgramGlance {
   std::vector<ToolId> tools;  ///< in order of first use
-  std::string read_as;        ///< language of its text and how it was recognized: "Haas: line 3 has
-                              ///< G154"
+  std::string read_as;        ///< language and its evidence: "Haas: line 3 has G154"
   double machine_s = 0;       ///< cycle time on the scene's machine; 0 if unknown
   std::vector<std::string> warnings;
   std::vector<ProgramAlarm> alarms;  ///< the first ProgramAlarms::kListedMax

@@ -88,8 +88,7 @@ std::expected<void, JournalError> apply_records(JournalReader& reader,
   const auto begin = Clock::now();
   const auto& hashes = reader.state_hashes();
   const bool comparable = reader.header().kernel_version == kKernelVersion && !hashes.empty();
-  const StateHash newest = comparable ? hashes.back() : StateHash{};  // sequence 0: no hash to
-                                                                      // compare
+  const StateHash newest = comparable ? hashes.back() : StateHash{};  // sequence 0: no hash
   RecordedBlock carved(std::move(block.sculpture), block.start, file);
   const auto settle = [&]() -> std::expected<void, JournalError> {
     if (const auto ok = carved.settle(stop); !ok) {

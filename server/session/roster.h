@@ -20,8 +20,7 @@ struct Roster {
 
 /// The difference between two rosters of one session.
 struct RosterChange {
-  std::vector<Participant> changed;  ///< new in the list, or with a changed tool, role, mute or
-                                     ///< reach
+  std::vector<Participant> changed;  ///< new, or with a changed tool, role, mute or reach
   std::vector<ParticipantId> left;   ///< no longer in the list
   std::size_t viewers = 0;           ///< of the newer roster
 };

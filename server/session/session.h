@@ -350,13 +350,11 @@ class Session : public std::enable_shared_from_this<Session> {
   SnapshotOptions snapshots_;
   SnapshotSchedule schedule_;
   std::unique_ptr<SculptureState> last_state_;  ///< of a closed session
-  std::mutex snapshot_mutex_;                   ///< held while a snapshot is written; guards the
-                                                ///< next
+  std::mutex snapshot_mutex_;                   ///< held during a write; guards the next
   bool snapshots_ended_ = false, snapshots_fail_ = false;
   UsedSnapshot good_snapshot_;  ///< newest snapshot usable for a restart
   std::atomic<bool> disk_is_low_ = false;
-  DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next are set by
-                                                 ///< keep_disk_limits()
+  DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next: keep_disk_limits()
   std::optional<JournalErrorCode> reached_;      ///< the disk limit that has been reached
   Clock::time_point changes_reported_{};
   HistoryTurns history_turns_;             ///< whose turn it is to use the next one
@@ -368,8 +366,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::optional<LiveState> live_;  ///< followed session: the newest statement of its owner
   std::string live_programs_sent_;
   std::size_t viewers_elsewhere_ = 0;
-  std::map<StrokeId, std::uint64_t> unsettled_;  ///< record of each change not yet carved into the
-                                                 ///< block
+  std::map<StrokeId, std::uint64_t> unsettled_;  ///< record of each change not yet carved
   std::atomic<std::uint64_t> shown_motions_ = 0;
   std::atomic<double> shown_removed_mm3_ = 0;
   std::atomic<std::size_t> shown_participants_ = 0;

@@ -30,8 +30,7 @@ struct SessionFrame {
   /// The programs that have not ended and the newest that have. Set if one has changed since the
   /// previous frame with programs, at most every kProgramUpdateInterval.
   std::optional<std::vector<ProgramGlance>> programs;
-  std::vector<MatterMessage> matters;  ///< of the matters that have changed since the previous
-                                       ///< frame
+  std::vector<MatterMessage> matters;  ///< changes since the previous frame
 };
 
 struct SessionInfo {

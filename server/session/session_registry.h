@@ -79,8 +79,7 @@ struct ShortenedSession {
 struct IgnoredSnapshot {
   std::string id;
   std::string reason;
-  std::uint64_t used_sequence;  ///< last record of the older snapshot; 0 if all records were
-                                ///< replayed
+  std::uint64_t used_sequence;  ///< last record of the older one; 0 after a full replay
 };
 
 /// The origin of a session on this server.

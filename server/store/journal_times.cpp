@@ -55,8 +55,7 @@ std::expected<std::uint64_t, JournalError> record_at(const std::filesystem::path
     return last ? std::expected<std::uint64_t, JournalError>(*last) : failed(last.error());
   }
   const BatchHead& head = **batch;
-  std::uint64_t begun = 1, end = head.count;  // the records before `begun` are not later than
-                                              // wall_ms
+  std::uint64_t begun = 1, end = head.count;  // records before `begun` are in time
   while (begun < end) {
     const std::uint64_t middle = begun + (end - begun) / 2;
     if (head.wall_ms_of(middle) <= wall_ms) {

@@ -25,8 +25,7 @@ using Lists = std::map<std::string, std::vector<ListRow>, std::less<>>;
 struct ListChange {
   std::string_view table;                           ///< a name in kJournalTables
   std::optional<ListValue> removed = std::nullopt;  ///< key of the row to delete
-  std::optional<ListRow> stored = std::nullopt;     ///< row to insert, or to replace the one with
-                                                    ///< its key
+  std::optional<ListRow> stored = std::nullopt;     ///< replaces the row with its key, if any
 };
 
 /// Returns the record number of a row.

@@ -42,8 +42,7 @@ class RecordRows {
   std::expected<bool, JournalError> step(SqlStatement& rows) const;
 
   std::filesystem::path file_;
-  std::optional<SqlStatement> singles_, batches_;  ///< empty without such a table, or when all rows
-                                                   ///< are read
+  std::optional<SqlStatement> singles_, batches_;  ///< empty without a table or further rows
   BatchRows rows_;
   std::vector<JournalRecord> batch_;  ///< decoded records
   std::size_t at_ = 0;                ///< index in batch_

@@ -117,8 +117,7 @@ TEST(ProgramControl, TheSpeedMultipliesTheFeedRate) {
   runs.slice(cut);
   EXPECT_EQ(runs.status(slow)->motions_done, 1U);  // of 1.2 s
   EXPECT_EQ(runs.status(fast)->motions_done, 4U);  // of 4.4 s
-  EXPECT_GE(runs.status(fast)->elapsed_s, 4.4);    // part of the fifth motion, along which the tool
-                                                   // is shown
+  EXPECT_GE(runs.status(fast)->elapsed_s, 4.4);    // the tool is shown on the fifth motion
   EXPECT_LT(runs.status(fast)->elapsed_s, 5);
   EXPECT_EQ(runs.status(fast)->programmed_s, 5);
   EXPECT_EQ(runs.status(fast)->feed_mm_per_min, 300);

@@ -23,8 +23,7 @@ constexpr std::size_t kBatchMax = 16;
 struct Hand {
   ParticipantId id = 0;
   std::string token;
-  std::deque<wire::MotionSample> kept = {};  ///< samples that are not durable, and the last durable
-                                             ///< one
+  std::deque<wire::MotionSample> kept = {};  ///< not durable, and the last durable one
   std::uint64_t sent = 0;                    ///< newest sample that the session has received
   bool is_connected = true;
   Vec3 tip{0, 0, 5}, axis{0, 0, 1};

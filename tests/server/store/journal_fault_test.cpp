@@ -235,8 +235,7 @@ TEST_F(JournalFaults, HashesBeyondTheLastRecordAreDropped) {
     auto writer = JournalWriter::create(file, header);
     for (int i = 0; i < 10; ++i) ASSERT_TRUE(append(*writer));
     writer->append(StateHash{8, 88});
-    writer->append(StateHash{12, 99});  // as written by a server that continued after a failed
-                                        // group
+    writer->append(StateHash{12, 99});  // written by a server after a failed group
   }
   {
     const auto reader = JournalReader::open(file);
