@@ -3,8 +3,7 @@
 
 import { t } from '../strings';
 import { roleName } from '../strings/names';
-import type { StrokeChange } from './stroke';
-import type { Stroke } from './stroke';
+import type { Stroke, StrokeChange } from './stroke';
 import type { Welcome } from '../wire/types';
 
 /**

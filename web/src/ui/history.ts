@@ -4,8 +4,7 @@
 
 import { t } from '../strings';
 import { changeStroke, listStrokes } from '../link/strokes';
-import type { StrokeChange } from '../model/stroke';
-import type { Stroke } from '../model/stroke';
+import type { Stroke, StrokeChange } from '../model/stroke';
 import type { SessionModel } from '../model/session';
 import { nextStroke, whyNotUndo } from '../model/stroke_choice';
 import { Authors } from './authors';

@@ -2,8 +2,7 @@
 // The strokes of a session, newest first: author, tool, time; each can be undone or redone.
 
 import { language, t } from '../strings';
-import type { StrokeChange } from '../model/stroke';
-import type { Stroke } from '../model/stroke';
+import type { Stroke, StrokeChange } from '../model/stroke';
 import type { SessionModel } from '../model/session';
 import { toolName } from '../model/tool_profile';
 import type { Authors } from './authors';

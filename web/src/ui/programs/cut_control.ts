@@ -49,7 +49,7 @@ export class CutControl {
     this.shown_ = null;
   }
 
-  /** Shows how far the program has come. An effect calls it, so that it reads the feeds. */
+  /** Shows how far the program has come. Reads the feeds, so that a calling effect tracks them. */
   update(program: ProgramInfo): void {
     if (program.id !== this.program_) return;
     this.latest_ = program;

@@ -2,8 +2,7 @@
 // The stroke that was pressed: whose it is, and its undo or redo.
 
 import { language, t } from '../../strings';
-import type { StrokeChange } from '../../model/stroke';
-import type { Stroke } from '../../model/stroke';
+import type { Stroke, StrokeChange } from '../../model/stroke';
 import { h, setText } from '../dom';
 
 export const CLOCK = new Intl.DateTimeFormat(language, { timeStyle: 'medium', hourCycle: 'h23' });
