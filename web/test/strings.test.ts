@@ -94,8 +94,7 @@ describe('the texts of the page', () => {
         }
         if (ts.isJsxText(node) && /[A-Za-z]{2}/.test(node.text))
           plain.push(`${file.fileName}: ${node.text}`);
-        if (ts.isJsxAttribute(node) && TOLD.test(node.name.getText()))
-          note(node.initializer as ts.Expression | undefined, file);
+        if (ts.isJsxAttribute(node) && TOLD.test(node.name.getText())) note(node.initializer, file);
         if (ts.isJsxExpression(node) && !ts.isJsxAttribute(node.parent))
           note(node.expression, file);
         if (ts.isPropertyAssignment(node) && TOLD.test(node.name.getText().replaceAll("'", '')))
