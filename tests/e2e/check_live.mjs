@@ -95,7 +95,7 @@ async function checkParting(browser, base, last) {
   await writeFile(join(options.out, 'check-differs.png'), await viewer.page.screenshot());
 }
 
-/** What the page says of the picture: the badge of the connection, and that of the check. */
+/** The badges of the connection and of the check. */
 function saidOf({ page }) {
   return page.evaluate(() => ({
     badge: document.querySelector('.badge')?.dataset.state,

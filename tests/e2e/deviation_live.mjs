@@ -102,7 +102,7 @@ async function checkFound(viewer, session) {
   const { page } = viewer;
   const { within, least, greatest } = await found(page);
   assert(Math.abs(least + TOO_DEEP_MM) < 0.005, `least ${least} mm`);
-  // In the middle of what was left the edges of the groove are nearest. Points are a pitch apart.
+  // In the middle of the remaining material the edges of the groove are nearest. Points are a pitch apart.
   const missed = GROOVE_MM / 2 - greatest;
   assert(missed > -0.01 && missed < SCENE.accuracy.pitch_mm / 2, `greatest ${greatest} mm`);
   const survey = await getJson(`${session}/targets/part.stl/deviation`);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// End-to-end test of a newcomer's path to a first cut: with nothing but what the page shows, by roles
+// End-to-end test of a newcomer's path to a first cut: with nothing but the page itself, by roles
 // and names, in Chromium and Firefox, on a desk and on a phone; on a server that has no session yet,
 // and in kerf.html without a server. See README.md.
 //
@@ -128,7 +128,7 @@ async function brighterPixels({ page }, before, after, box) {
   );
 }
 
-/** The middle of what the picture has free: left of the panel, or above the bar of tools on a phone. */
+/** The middle of the free part of the picture: left of the panel, or above the bar of tools on a phone. */
 async function middleOf(user, panel, { width, height }) {
   if (width > height) return [(await user.boxOf('complementary', panel)).x / 2, height / 2];
   return [width / 2, (await user.boxOf('slider', 'Depth')).y / 2];

@@ -65,7 +65,7 @@ async function checkHandover(viewer, owner, follower, { motions }) {
     const response = await fetch(`${follower.base}/v1/sessions/shared`);
     return response.ok && !(await response.json()).followed;
   });
-  // What the page says of its hand may still be of the owner that has stopped.
+  // The page's hand may still be that of the owner that has stopped.
   await until('the hand at the follower', SETTLE_S, async () => {
     const { participants } = await sessionOf(follower.base);
     return participants.some(({ kind }) => kind === 'agent');

@@ -53,7 +53,7 @@ G0 Z5
 M30
 `;
 const GROOVE_CM3_PER_MIN = (4 * 5 * 900) / 1000;
-/** Beside what the plots of a program plot, CSS pixels. */
+/** A point next to the plots of a program, CSS pixels. */
 const PLOT_LEFT = 44;
 const PLOT_RIGHT = 12;
 const WALL_MM = 3;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a failed end-to-end test leaves is there until it passes: its options, and what its programs
+// The traces of a failed end-to-end test stay until it passes: its options, and all that its programs
 // wrote. Needs no browser.
 //
 // node kept_test.mjs

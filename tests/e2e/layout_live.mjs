@@ -95,7 +95,7 @@ const DIALOGS = [
   dialog('take home', '.take-button', 'dialog.take-home'),
 ];
 
-/** What is wrong with where things are, in words. */
+/** Faults of the layout, in words. */
 async function faultsOf({ page, state: stateOf }, [width, height], name) {
   const boxes = await boxesIn(page, OVER);
   if (name !== 'alarm') {

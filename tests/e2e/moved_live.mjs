@@ -109,7 +109,7 @@ async function carversOf(server) {
 async function checkMoved(viewer, server, first, camera, y) {
   const { page, state } = viewer;
   await until('the page watches and carves', SETTLE_S, async () => {
-    // What the page says may still be of the server before: this one has its hand.
+    // The page may still show the previous server: this one has its hand.
     const { participants } = await getJson(server.base + PATH);
     if (!participants.some(({ kind }) => kind === 'agent')) return false;
     const { status } = await state();
@@ -132,7 +132,7 @@ async function checkRequests({ page }, server) {
   );
 }
 
-/** What was never loaded cannot be: the page says so, and where it can be opened. */
+/** A chunk that was never loaded is not there: the page says so, and where it can be opened. */
 async function checkUnloaded({ page }, server) {
   await page.getByRole('button', { name: 'NC programs' }).click();
   await page.getByText(`Open the page at ${server.base}`).waitFor();

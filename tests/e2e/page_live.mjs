@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// End-to-end test of what only a browser shows of the page: it connects before it touches the GPU,
+// End-to-end test of behavior that only a browser shows: it connects before it touches the GPU,
 // loads little, covers the block with nothing at any size, has no side in the dark, and works
 // without WebGL. See README.md.
 //
@@ -65,7 +65,7 @@ async function openCounted(browser, url) {
   return viewer;
 }
 
-/** What the files of the page but the font would take if they came compressed by gzip. */
+/** Bytes of the page's files, without the font, as gzip would compress them. */
 async function gzipBytesOf(paths) {
   const served = paths.filter(
     (path) => path.startsWith('/') && !path.startsWith('/v1/') && !path.endsWith('.woff2'),
@@ -162,7 +162,7 @@ async function checkSides(viewer) {
   assert(Math.max(...luminances) <= 2 * Math.min(...luminances), text);
 }
 
-/** What is read back from WebGL is what WebGL draws on the page's canvas, but for edges. */
+/** The pixels read back from WebGL equal those on the page's canvas, but for edges. */
 async function checkReadback(browser, base) {
   const [read, drawn] = await Promise.all(
     ['', '&quality=full'].map(async (quality) => {

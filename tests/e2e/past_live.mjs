@@ -219,7 +219,7 @@ async function checkBranch({ page, state }, base, record) {
   assert.deepEqual([parent.session, parent.record], ['past', record]);
 }
 
-/** What the page says of a state that is the server's. */
+/** The page's words for a state that is the server's. */
 const verified = (record) => `Verified up to step ${record.toLocaleString('en')}`;
 
 /** The page replays the journal by itself, from files that caches may keep, and finds the server's state. */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares what the page shows with exact pictures, on ten carved blocks and in three windows: as
+// Compares the page's pictures with exact ones, on ten carved blocks and in three windows: as
 // it comes first, at the levels of detail of its distance; at rest; and as a saved picture. See
 // README.md.
 //

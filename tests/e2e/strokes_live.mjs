@@ -146,7 +146,7 @@ async function test(folder) {
       }
     };
     await Promise.all(pages.map((page, n) => draw(page, 2 * Number(options.seed) + n)));
-    // While another tool is nowhere yet, the copies still get what the agent cuts.
+    // While another tool has no pose yet, the copies still get the cuts of the agent.
     for (const { page } of pages) await page.keyboard.press(']');
     await stop(agent);
     const { state_hash: hash, motions } = await settled(server);

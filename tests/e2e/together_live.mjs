@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// End-to-end test of what viewers do together: pins on the surface, views that others follow, the
+// End-to-end test of viewers who work together: pins on the surface, views that others follow, the
 // headline, large pictures, and the page in a frame. See README.md.
 //
 // node together_live.mjs --server PROGRAM --web FOLDER --out FOLDER

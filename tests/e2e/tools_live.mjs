@@ -73,7 +73,7 @@ async function dragHandle(page, n, [r, z]) {
   await page.mouse.up();
 }
 
-/** The server says what is wrong with an outline, while it is drawn. */
+/** The server names the fault of an outline while it is drawn. */
 async function checkFault(page) {
   const create = page.getByRole('button', { name: 'Create', exact: true });
   await field(page, 'Height', 4).fill('2'); // below the point before it

@@ -25,7 +25,7 @@ const SCENE = {
 };
 
 /**
- * What the browser knows of a video, in a page whose policy lets it play a file: its length and
+ * Reads a video in a page whose policy lets it play a file: its length and
  * size, and how much two of its frames differ.
  */
 async function played(page, file) {

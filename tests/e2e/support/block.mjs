@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What tests of carving in a page need of the block: where it is in the window, and the server's block
+// Facts of the block for tests of carving in a page: where it is in the window, and the server's block
 // once the page has the same.
 
 import assert from 'node:assert/strict';

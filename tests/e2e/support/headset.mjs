@@ -22,7 +22,7 @@ export function aboutX(radians) {
   return [Math.sin(radians / 2), 0, 0, Math.cos(radians / 2)];
 }
 
-/** What a turn about X makes of a vector. */
+/** A vector turned about X. */
 export function turnedX([x, y, z], radians) {
   const [sine, cosine] = [Math.sin(radians), Math.cos(radians)];
   return [x, cosine * y - sine * z, sine * y + cosine * z];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a test leaves to be looked at if it fails: its options, the output of the programs that it has
+// The files that a failed test leaves for a look: its options, the output of the programs that it has
 // started, and its pages as they were. All of it is written while the test runs, because a test that
 // takes too long is killed.
 
@@ -39,7 +39,7 @@ export function keptOutput(program) {
 }
 
 /**
- * Keeps a picture of each page and what it says of its state. A page that answers nothing is left
+ * Keeps a picture of each page and its own account of its state. A page that answers nothing is left
  * out: the reason of the failure is another.
  */
 export async function keepPages(pages) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lies where in the page.
+// Positions and overlaps of the elements of a page.
 
 import { until } from './processes.mjs';
 

@@ -75,7 +75,7 @@ export function reset(page) {
 }
 
 /**
- * What was measured since: times of pictures, durations of tasks longer than 50 ms, times from a
+ * The measurements since then: times of pictures, durations of tasks longer than 50 ms, times from a
  * key to the painted picture, and until it was presented (of those above 16 ms), ms; when shader
  * programs were linked.
  */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tests begin and end with: options, a folder that is deleted, a server with a session, and
+// The common begin and end of the tests: options, a folder that is deleted, a server with a session, and
 // programs that it carves.
 
 import assert from 'node:assert/strict';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A line that delays what it carries, in each direction.
+// A line that delays all data, in each direction.
 
 import { createServer, connect } from 'node:net';
 import { atEnd } from './processes.mjs';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a page tells: its visible texts, and the labels that are shown or read aloud; and whether they
+// The texts of a page: its visible ones, and the labels that are shown or read aloud; and whether they
 // lie on each other. Functions that run in the browser.
 
 /** All visible texts and labels. */
