@@ -54,7 +54,10 @@ std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file)
   using enum kerf::RegistryErrorCode;
   // In a cluster: it is at another server, or is about to be loaded from the data folder.
   if (!created && sessions.places() != nullptr && created.error().code == kExists) return {};
-  if (!created && (created.error().code == kJournal || created.error().code == kNoLease)) {
+  const auto is_of_machine = [](kerf::RegistryErrorCode code) {
+    return code == kJournal || code == kDiskFails || code == kNoLease;
+  };
+  if (!created && is_of_machine(created.error().code)) {
     kerf::log::error("session " + id + " of " + file +
                      " cannot be created: " + created.error().reason);
     return {};

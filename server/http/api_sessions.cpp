@@ -124,6 +124,7 @@ unsigned http_status(RegistryErrorCode code) {
     case RegistryErrorCode::kUnknown:
       return 404;
     case RegistryErrorCode::kTooMany:
+    case RegistryErrorCode::kDiskFails:
       return 503;
     case RegistryErrorCode::kJournal:
       return 500;

@@ -26,7 +26,7 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::branch(
     return std::unexpected(RegistryError{kDiskFull, folder_full(then, options_.disk), {}});
   }
   if (auto flushed = parent.flush(); !flushed) {
-    return std::unexpected(RegistryError{kJournal, describe(flushed.error()), {}});
+    return std::unexpected(registry_error(flushed.error()));
   }
   const auto reserved = reserve(std::move(id), parent.scene().name);
   if (!reserved) return std::unexpected(reserved.error());

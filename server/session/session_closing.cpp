@@ -221,10 +221,9 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::reopen(
   }
   // Move the journal back. If that fails too, it is loaded at the next start.
   (void)keep_journal(*moved, closed_folder(), name);
-  return std::unexpected(RegistryError{
-      RegistryErrorCode::kJournal,
-      report.failures.empty() ? "the server is stopping" : describe(report.failures.back()),
-      {}});
+  if (!report.failures.empty()) return std::unexpected(registry_error(report.failures.back()));
+  return std::unexpected(
+      RegistryError{RegistryErrorCode::kDiskFails, "the server is stopping", {}});
 }
 
 }  // namespace kerf

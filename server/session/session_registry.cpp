@@ -10,10 +10,6 @@
 namespace kerf {
 namespace {
 
-RegistryError journal_failure(const JournalError& error) {
-  return {RegistryErrorCode::kJournal, describe(error), {}};
-}
-
 /// Creates the journal of a new session with the definitions of its tools.
 std::expected<void, JournalError> write_first_records(const std::filesystem::path& file,
                                                       const JournalHeader& header,
@@ -53,6 +49,16 @@ std::expected<void, RegistryError> check_name(const std::string& name) {
 
 }  // namespace
 
+RegistryError registry_error(const JournalError& error) {
+  using enum JournalErrorCode;
+  const bool is_permanent = error.code == kCorrupt || error.code == kNotAJournal ||
+                            error.code == kForeignVersion || error.code == kExists ||
+                            error.code == kNotFound;
+  return {is_permanent ? RegistryErrorCode::kJournal : RegistryErrorCode::kDiskFails,
+          describe(error),
+          {}};
+}
+
 const char* to_string(RegistryErrorCode code) {
   switch (code) {
     case RegistryErrorCode::kBadId:
@@ -67,6 +73,8 @@ const char* to_string(RegistryErrorCode code) {
       return "unknown_session";
     case RegistryErrorCode::kJournal:
       return "journal_error";
+    case RegistryErrorCode::kDiskFails:
+      return "journal_io";
     case RegistryErrorCode::kDiskFull:
       return "disk_full";
     case RegistryErrorCode::kNotClosed:
@@ -197,7 +205,7 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::start_ne
     sessions_.erase(id);
     if (options_.places != nullptr) options_.places->close(id);
     if (session.error().code != JournalErrorCode::kExists) remove_journal(journal_path(id));
-    return std::unexpected(journal_failure(session.error()));
+    return std::unexpected(registry_error(session.error()));
   }
   sessions_[id] = *session;
   return *session;

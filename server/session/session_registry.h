@@ -27,7 +27,8 @@ enum class RegistryErrorCode {
   kExists,
   kTooMany,
   kUnknown,
-  kJournal,
+  kJournal,    ///< the journal is damaged, or of another program
+  kDiskFails,  ///< the disk fails or is full now: the request may succeed later
   kDiskFull,
   kNotClosed,  ///< it stays open because the disk fails
   kNoLease     ///< the other servers of the cluster cannot be asked
@@ -37,6 +38,8 @@ struct RegistryError {
   std::string reason;  ///< one sentence
   std::string path;    ///< kBadScene: JSON path of the invalid field, if known
 };
+/// Returns the error of a request for which a journal could not be read or written.
+RegistryError registry_error(const JournalError& error);
 /// Returns the error code of the HTTP interface, e.g. "unknown_session".
 const char* to_string(RegistryErrorCode code);
 /// The reason of kNotClosed for an error of the disk.

@@ -182,7 +182,7 @@ TEST_F(Branches, NeedAFreeIdAndACommittedRecord) {
   EXPECT_EQ(registry_->branch("block", *session_, 5).error().code, RegistryErrorCode::kExists);
   EXPECT_EQ(registry_->branch("Bad id", *session_, 5).error().code, RegistryErrorCode::kBadId);
   const auto beyond = registry_->branch("beyond", *session_, session_->sequence() + 1);
-  EXPECT_EQ(beyond.error().code, RegistryErrorCode::kJournal);
+  EXPECT_EQ(beyond.error().code, RegistryErrorCode::kDiskFails);
   EXPECT_FALSE(std::filesystem::exists(folder_->path() / "beyond.kerf"));
   EXPECT_TRUE(branch("beyond", 5));
 }
