@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "server/http/api.h"
+#include "server/matters.h"
 #include "server/session/session_registry.h"
 #include "server/store/block_snapshot.h"
 #include "server/store/sqlite.h"
@@ -59,6 +60,7 @@ class DamageTest : public testing::Test {
     RegistryOptions registry_options;
     registry_options.data_folder = folder.path();
     registry_options.sessions_max = 4;
+    registry_options.matters = net::matters();
     registry_options.snapshots.writer = &writer;
     registry_options.snapshots.limits = {
         .replay_time = {}, .age = std::chrono::hours(1), .pause = {}};
@@ -67,7 +69,7 @@ class DamageTest : public testing::Test {
     };
     registry.emplace(
         registry_options, [](const std::string&) { return std::make_shared<AtOnce>(); }, workers);
-    api.emplace(options, *registry, metrics, *access);
+    api.emplace(options, *registry, metrics, *access, net::matter_routes());
   }
   /// Restarts and loads the session, which must succeed.
   Session& reload() {
