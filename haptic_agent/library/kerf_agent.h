@@ -18,7 +18,8 @@
  * zero (otherwise KERF_AGENT_UNSUPPORTED). A newer library fills in and reads only `struct_size`
  * bytes.
  *
- * Ownership. The caller owns its arguments; the library copies what it keeps, including strings.
+ * Ownership. The caller owns its arguments. The library copies every argument
+ * that outlives the call, including strings.
  * The library owns the pointers in structures that it fills in; they are valid until
  * kerf_agent_close. Texts of results, phases and trips are static.
  *

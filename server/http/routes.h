@@ -17,8 +17,8 @@ namespace kerf::net {
 /// The protocol that a WebSocket upgrade of a route leads to.
 enum class Upgrade : std::uint8_t { kNone, kAgent, kViewer };
 
-/// The threads that handle a request, by what it may wait for. All but kAtOnce take turns by client
-/// (HttpContext). Long requests end when the client is gone.
+/// The threads that handle a request. A request runs where its longest wait harms nobody else. All
+/// but kAtOnce take turns by client (HttpContext). Long requests end when the client is gone.
 enum class Runs : std::uint8_t {
   kAtOnce,   ///< never blocks: cached figures, the viewer's files
   kSession,  ///< waits for a turn of its session's thread

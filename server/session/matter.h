@@ -26,8 +26,8 @@ class MatterBlock {
 };
 
 /// A matter is a list that people keep with a block: pins, named versions. The block stores the
-/// list, copies it to branches and followers, and sends it to viewers, without knowing what is in
-/// it. One object for each session; executor only.
+/// list, copies it to branches and followers, and sends it to viewers. It does not interpret the
+/// rows. One object for each session; executor only.
 class Matter {
  public:
   virtual ~Matter() = default;

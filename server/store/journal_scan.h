@@ -44,8 +44,7 @@ class JournalScan {
 std::expected<void, JournalError> scan_journal(const std::filesystem::path& journal,
                                                const std::stop_token& stop = {});
 
-/// Returns one sentence that says which record is damaged and what the operator can do, without the
-/// path.
+/// Names the damaged record and the operator's remedy in one sentence, without the path.
 std::string damage_text(const JournalError& damage);
 
 }  // namespace kerf

@@ -2,8 +2,8 @@
 """prose_check.py SOURCE: counts two constructions that make a text hard to read, in the comments and
 documents of a source tree, and fails above a rate per 1,000 sentences.
 
-A clause with "what" as a noun ("what a motion removes") hides the noun that the reader looks for:
-"the removed volume". "beside" stands for next to, in addition to and while. CONTRIBUTING.md."""
+A noun clause ("what a motion removes") hides the noun that the reader looks for: "the removed
+volume". "beside" has three meanings: next to, in addition to, while. See CONTRIBUTING.md."""
 import pathlib
 import re
 import subprocess
