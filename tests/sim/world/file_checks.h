@@ -12,9 +12,9 @@ namespace kerf::sim {
 /// empty text. The journal's session is at rest.
 std::string check_export(const std::filesystem::path& journal, std::uint64_t hash);
 
-/// Flips one bit, drawn at random, of a copy of a journal that no server has open. check_journal()
-/// or replay() must report the damage unless the copy holds the same block and lists. Returns a
-/// sentence if none does, else an empty text. `folder` is for the copy.
+/// Flips single bits, drawn at random, of a copy of a journal that no server has open. For each bit
+/// that changes the records or the lists, the reader or check_journal() must report damage. Returns
+/// a sentence if neither does, else an empty text. `folder` is for the copy.
 std::string check_rot(const std::filesystem::path& journal, const std::filesystem::path& folder);
 
 }  // namespace kerf::sim

@@ -61,6 +61,7 @@ void Intruder::start(Time end, Time pause_max) {
   thread_ = std::thread([this, end, pause_max] {
     while (now() < end) {
       try_something();
+      // In the time of the simulation.
       const auto pause = draw_own(static_cast<std::uint64_t>(pause_max));
       std::this_thread::sleep_for(std::chrono::nanoseconds(pause));
     }

@@ -8,7 +8,7 @@
 namespace kerf::sim {
 namespace {
 
-const std::string kAdmin = "0123456789abcdef0123456789abcdef";
+const std::string kAdmin = kAdminToken;
 const std::string kSession = "/v1/sessions/block";
 constexpr const char* kTetrahedron =
     "solid t\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\nendloop\n"
