@@ -95,7 +95,7 @@ class JournalCopy {
   std::expected<CopyPosition, JournalError> finish();
   /// The position after the last whole change; nullopt if there was none.
   const std::optional<CopyPosition>& whole() const { return whole_; }
-  /// Whether the named versions or the pins have changed since the last call.
+  /// Whether a list that people keep with the block has changed since the last call.
   bool take_changed_lists() { return std::exchange(lists_changed_, false); }
   /// Whether the attachments have changed since the last call.
   bool take_changed_attachments() { return std::exchange(attachments_changed_, false); }
