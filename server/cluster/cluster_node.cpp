@@ -137,7 +137,14 @@ std::uint32_t ClusterNode::epoch(const std::string& id) const {
   return lease ? lease->epoch : 1;
 }
 
-void ClusterNode::close(const std::string& id) {
+std::expected<void, std::string> ClusterNode::close(const std::string& id) {
+  if (const auto closed = impl_->own.close(id); !closed) {
+    return std::unexpected(closed.error().reason);
+  }
+  return {};
+}
+
+void ClusterNode::give_up(const std::string& id) {
   impl_->own.give_back(id, LeaseState::kClosed, {});
 }
 

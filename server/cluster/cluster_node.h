@@ -51,7 +51,8 @@ class ClusterNode final : public SessionPlaces {
   bool is_taken(const std::string& id) const override;
   std::shared_ptr<const WriteFence> fence(const std::string& id) const override;
   std::uint32_t epoch(const std::string& id) const override;
-  void close(const std::string& id) override;
+  std::expected<void, std::string> close(const std::string& id) override;
+  void give_up(const std::string& id) override;
   const std::string& node() const override;
   std::vector<PlacedSession> elsewhere() const override;
   std::optional<std::string> address_of(const std::string& id) const override;

@@ -80,7 +80,8 @@ std::expected<std::uint64_t, LeaseError> OwnLeases::store_own(const std::string&
       continue;
     }
     const auto seen = decode_lease((*last)->bytes);
-    if (!seen || seen->run != run_ || seen->state != LeaseState::kHeld) {
+    // The lease of a run that holds it is closed there if the answer to close() was lost.
+    if (!seen || seen->run != run_ || seen->state == LeaseState::kReleased) {
       return std::unexpected(LeaseError{true, "another server has taken the lease"});
     }
     revision = (*last)->sequence;
@@ -115,6 +116,25 @@ std::expected<void, LeaseError> OwnLeases::renew(const std::string& session,
   held->second.lease = std::move(lease);
   held->second.revision = *stored;
   held->second.sent_ns = sent;
+  return {};
+}
+
+std::expected<void, LeaseError> OwnLeases::close(const std::string& session) {
+  Lease lease;
+  std::uint64_t revision = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto held = held_.find(session);
+    if (held == held_.end()) {
+      return std::unexpected(LeaseError{true, "another server has taken the lease"});
+    }
+    lease = held->second.lease;
+    revision = held->second.revision;
+  }
+  lease.state = LeaseState::kClosed;
+  lease.to.clear();
+  if (const auto ok = store_own(session, lease, revision); !ok) return std::unexpected(ok.error());
+  lose(session);
   return {};
 }
 

@@ -39,7 +39,10 @@ class OwnLeases {
   /// and its fence is closed. `shown`, if given, replaces the fields that lists show.
   std::expected<void, LeaseError> renew(const std::string& session,
                                         const std::optional<ShownSession>& shown);
-  /// Like renew(), then drops the lease in any case.
+  /// Stores that the session has ended, then drops the lease. After an error the lease is still
+  /// held, and renewals go on. They succeed even if NATS has stored the end.
+  std::expected<void, LeaseError> close(const std::string& session);
+  /// Stores the lease in another state and drops it in any case.
   void give_back(const std::string& session, LeaseState state, const std::string& to);
   /// Drops a lease that another server has taken.
   void lose(const std::string& session);

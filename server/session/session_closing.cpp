@@ -101,34 +101,46 @@ std::expected<void, JournalError> SessionRegistry::end_committed(
   });
 }
 
-/// Moves or deletes the journal of an ended session. Reopens the session if the journal cannot be
-/// moved.
-std::expected<void, RegistryError> SessionRegistry::put_away(const std::string& id, bool purge) {
-  const auto file = journal_path(id);
-  std::error_code error;
-  if (purge) {
-    remove_journal(file);
-  } else {
-    const auto kept =
-        keep_journal(file, closed_folder(), id + "-" + std::to_string(Clock::wall_s()));
-    if (!kept) error = kept.error();
+/// Moves the journal of an ended session to `closed` and states its end to the cluster.
+std::expected<void, RegistryError> SessionRegistry::move_to_closed(const std::string& id) {
+  const auto kept =
+      keep_journal(journal_path(id), closed_folder(), id + "-" + std::to_string(Clock::wall_s()));
+  if (!kept) {
+    return std::unexpected(RegistryError{
+        RegistryErrorCode::kNotClosed,
+        "the session was opened again and loses nothing, because its journal cannot be moved to " +
+            closed_folder().string() + ": " + kept.error().message(),
+        {}});
   }
-  if (error) {
+  auto stated = state_end(id);
+  if (!stated) (void)keep_journal(*kept, options_.data_folder, id);
+  return stated;
+}
+
+/// States to the cluster that a session has ended. Otherwise another server would continue it.
+std::expected<void, RegistryError> SessionRegistry::state_end(const std::string& id) {
+  if (options_.places == nullptr) return {};
+  const auto stated = options_.places->close(id);
+  if (stated) return {};
+  return std::unexpected(RegistryError{
+      RegistryErrorCode::kNoLease,
+      "the session was opened again and loses nothing, because the other servers cannot be told "
+      "that it is closed: " +
+          stated.error(),
+      {}});
+}
+
+/// Moves or deletes the journal of an ended session. After an error the session is opened again.
+std::expected<void, RegistryError> SessionRegistry::put_away(const std::string& id, bool purge) {
+  const auto away = purge ? state_end(id) : move_to_closed(id);
+  if (away && purge) remove_journal(journal_path(id));
+  if (!away) {
     LoadReport ignored;
     load(id, ignored);  // if this fails too, the session is listed as unreadable
-    const std::lock_guard lock(mutex_);
-    if (!sessions_[id]) sessions_.erase(id);
-    return std::unexpected(
-        RegistryError{RegistryErrorCode::kNotClosed,
-                      "the session was opened again and loses nothing, because its journal cannot "
-                      "be moved to " +
-                          closed_folder().string() + ": " + error.message(),
-                      {}});
   }
-  if (options_.places != nullptr) options_.places->close(id);
   const std::lock_guard lock(mutex_);
-  sessions_.erase(id);
-  return {};
+  if (!sessions_[id]) sessions_.erase(id);
+  return away;
 }
 
 void SessionRegistry::hand_over(const std::string& id, const std::string& reason,
@@ -214,7 +226,7 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::reopen(
   if (auto session = sessions_[id]) return session;
   sessions_.erase(id);
   unreadable_.erase(id);
-  if (options_.places != nullptr) options_.places->close(id);
+  if (options_.places != nullptr) options_.places->give_up(id);
   if (!moved) {
     return std::unexpected(RegistryError{
         RegistryErrorCode::kJournal, file->string() + ": " + moved.error().message(), {}});

@@ -36,8 +36,11 @@ class SessionPlaces {
   virtual std::shared_ptr<const WriteFence> fence(const std::string& id) const = 0;
   /// The epoch in which this server may run a session: greater than that of any earlier owner.
   virtual std::uint32_t epoch(const std::string& id) const = 0;
-  /// The session has been closed or could not be started: nobody runs it.
-  virtual void close(const std::string& id) = 0;
+  /// States that a session of this server has ended, so that nobody continues it. After an error,
+  /// one sentence, this server still has the session. Blocks until the answer.
+  virtual std::expected<void, std::string> close(const std::string& id) = 0;
+  /// Gives up the claim of a session that could not be started.
+  virtual void give_up(const std::string& id) = 0;
 
   /// The name of this server.
   virtual const std::string& node() const = 0;

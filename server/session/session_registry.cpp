@@ -203,7 +203,7 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::start_ne
   const std::lock_guard lock(mutex_);
   if (!session) {
     sessions_.erase(id);
-    if (options_.places != nullptr) options_.places->close(id);
+    if (options_.places != nullptr) options_.places->give_up(id);
     if (session.error().code != JournalErrorCode::kExists) remove_journal(journal_path(id));
     return std::unexpected(registry_error(session.error()));
   }

@@ -216,9 +216,9 @@ class SessionRegistry {
   /// Why nothing may be added to the data folder now; nullopt if it may.
   std::optional<RegistryError> disk_obstacle() const;
 
-  /// Ends a session. Moves its journal to the folder `closed`, or deletes it with `purge`. Fails
-  /// with kNotClosed, and the session continues, if its records cannot be committed or its journal
-  /// cannot be moved.
+  /// Ends a session. Moves its journal to the folder `closed`, or deletes it with `purge`. The
+  /// session continues after an error: kNotClosed if its records cannot be committed or its journal
+  /// cannot be moved, kNoLease if its end cannot be stated to the other servers.
   std::expected<void, RegistryError> close(const std::string& id, bool purge);
   /// The closed sessions, sorted by name.
   std::vector<ClosedSession> closed() const;
@@ -260,6 +260,8 @@ class SessionRegistry {
   void load(const std::string& id, LoadReport& report);
   static std::expected<void, JournalError> end_committed(const std::shared_ptr<Session>& session,
                                                          bool purge);
+  std::expected<void, RegistryError> move_to_closed(const std::string& id);
+  std::expected<void, RegistryError> state_end(const std::string& id);
   std::expected<void, RegistryError> put_away(const std::string& id, bool purge);
   /// Opens the session of a newly written journal and deletes it if it cannot be opened, or if
   /// `written` is an error.

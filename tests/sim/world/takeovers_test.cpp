@@ -159,6 +159,32 @@ TEST_F(Takeovers, AnyServerListsAllSessionsAndNoneGetsASecondOneOfAnId) {
             "");
 }
 
+/// Otherwise another server would continue it after its owner has answered that it is closed.
+TEST_F(Takeovers, ASessionClosesOnlyWhenItsEndIsStoredAtNats) {
+  for (const char* purge : {"", "?purge=1"}) {
+    EXPECT_EQ(faults_of([&](Cluster& servers) {
+                for (const char* name : {"a", "b"}) servers.start(name);
+                servers.create("a");
+                servers.carve("a");
+                servers.wait_for_copy("a");
+                const Json before = servers.info("a");
+                const std::string target = std::string("/v1/sessions/block") + purge;
+                NatsModel::instance().stop();
+                const auto refused = servers.ask("a", "DELETE", target);
+                EXPECT_EQ(refused.status, 503);
+                EXPECT_EQ(code_of(refused), "no_lease");
+                EXPECT_EQ(servers.info("a").at("motions"), before.at("motions"));
+                NatsModel::instance().start();
+                servers.wait_for_owner();
+                EXPECT_TRUE(servers.until(
+                    [&] { return servers.ask("a", "DELETE", target).status == 200; }));
+                sleep_until(now() + 10 * kSecond);  // longer than a lease lasts
+                for (const char* name : {"a", "b"}) EXPECT_EQ(listed(servers, name).size(), 0u);
+              }),
+              "");
+  }
+}
+
 TEST_F(Takeovers, ANewSessionGoesToTheServerWithTheFewest) {
   EXPECT_EQ(faults_of([](Cluster& servers) {
               for (const char* name : {"a", "b", "c"}) servers.start(name);
