@@ -35,8 +35,12 @@ double trapezoid_s(double length, double from, double to, double speed, double a
 
 MachineDynamics dynamics_of(const Machine& machine) {
   constexpr double kSPerMin = 60;
-  const double rapid = machine.rapid_mm_per_min / kSPerMin;
-  return {.speed_max_mm_per_s = {rapid, rapid, rapid}};
+  const double rapid = machine.rapid_mm_per_min;
+  const Vec3 fastest = machine.feed_max_mm_per_min.value_or(Vec3{rapid, rapid, rapid});
+  return {.speed_max_mm_per_s = fastest * (1 / kSPerMin),
+          .acceleration_mm_per_s2 = machine.acceleration_mm_per_s2,
+          .turn_max_rad_per_s = machine.turn_max_rad_per_s,
+          .turn_acceleration_rad_per_s2 = machine.turn_acceleration_rad_per_s2};
 }
 
 MachineTime::Block MachineTime::block_of(const ProgramMotion& motion) const {

@@ -25,8 +25,7 @@ struct MachineDynamics {
   static constexpr std::size_t kLookAhead = 100;
 };
 
-/// Returns the dynamics of a scene's machine: the axes have the speed of its rapids; other values
-/// are the defaults.
+/// Returns the dynamics of a scene's machine.
 MachineDynamics dynamics_of(const Machine& machine);
 
 /// Computes the time of a program from the limits of a machine's axes. Each motion is accelerated

@@ -61,7 +61,12 @@ struct Machine {
   /// The tool in the spindle until the first tool change (0: the scene's only one, or an empty
   /// spindle).
   ToolId spindle_tool = 0;
-  double rapid_mm_per_min = 10000;   ///< traverse rate of G0 and RAPID, > 0
+  double rapid_mm_per_min = 10000;  ///< traverse rate of G0 and RAPID, > 0
+  /// Limits from which the time on the machine is estimated. All are > 0.
+  std::optional<Vec3> feed_max_mm_per_min;        ///< of each linear axis; unset: that of rapids
+  Vec3 acceleration_mm_per_s2{3000, 3000, 3000};  ///< of each linear axis
+  /// Limits of the tool's axis in the workpiece, which rotary axes turn.
+  double turn_max_rad_per_s = 1, turn_acceleration_rad_per_s2 = 10;
   Dialect dialect = Dialect::kAuto;  ///< for programs whose GcodeEnvironment has no dialect
 };
 

@@ -235,6 +235,30 @@ std::string text_of(const OrderedJson& json) {
 
 }  // namespace
 
+/// The fields of the machine. Those added after the first release are absent at their defaults, so
+/// the canonical text of earlier scenes does not change.
+OrderedJson to_json(const Machine& machine) {
+  const Machine standard;
+  OrderedJson json = {{"kinematics", to_string(machine.kinematics)},
+                      {"rapid_mm_per_min", machine.rapid_mm_per_min}};
+  if (machine.dialect != Dialect::kAuto) json["dialect"] = std::string(name_of(machine.dialect));
+  if (machine.rotary_direction == RotaryDirection::kTool) json["rotary_direction"] = "tool";
+  if (machine.spindle_tool > 0) json["spindle_tool"] = machine.spindle_tool;
+  if (machine.feed_max_mm_per_min) {
+    json["feed_max_mm_per_min"] = to_json(*machine.feed_max_mm_per_min);
+  }
+  if (machine.acceleration_mm_per_s2 != standard.acceleration_mm_per_s2) {
+    json["acceleration_mm_per_s2"] = to_json(machine.acceleration_mm_per_s2);
+  }
+  if (machine.turn_max_rad_per_s != standard.turn_max_rad_per_s) {
+    json["turn_max_rad_per_s"] = machine.turn_max_rad_per_s;
+  }
+  if (machine.turn_acceleration_rad_per_s2 != standard.turn_acceleration_rad_per_s2) {
+    json["turn_acceleration_rad_per_s2"] = machine.turn_acceleration_rad_per_s2;
+  }
+  return json;
+}
+
 std::string scene_json(const Scene& scene) {
   const SculptureSettings& settings = scene.settings;
   const OrderedJson stock =
@@ -247,15 +271,8 @@ std::string scene_json(const Scene& scene) {
                       {"accuracy", accuracy_to_json(scene)},
                       {"tools", tools_to_json(scene)},
                       {"force", to_json(settings.force)},
-                      {"machine",
-                       {{"kinematics", to_string(scene.machine.kinematics)},
-                        {"rapid_mm_per_min", scene.machine.rapid_mm_per_min}}},
+                      {"machine", to_json(scene.machine)},
                       {"obstacles", obstacles}};
-  if (scene.machine.dialect != Dialect::kAuto)
-    json["machine"]["dialect"] = std::string(name_of(scene.machine.dialect));
-  if (scene.machine.rotary_direction == RotaryDirection::kTool)
-    json["machine"]["rotary_direction"] = "tool";
-  if (scene.machine.spindle_tool > 0) json["machine"]["spindle_tool"] = scene.machine.spindle_tool;
   if (!scene.guides.empty())
     json["guides"] = OrderedJson::parse(guides_json(scene.guides, GuideFiles::kNamed));
   return text_of(json);

@@ -164,6 +164,24 @@ ToolId read_spindle_tool(SceneFields& fields, const std::map<ToolId, SceneTool>&
   return static_cast<ToolId>(id);
 }
 
+/// A value > 0 for each linear axis.
+std::optional<Vec3> read_axes(SceneFields& fields, const std::string& field) {
+  const auto value = fields.find(field);
+  if (!value) return std::nullopt;
+  const auto [x, y, z] = value->numbers<3>();
+  if (!(x > 0) || !(y > 0) || !(z > 0)) fields.reject(field, "must be above 0 on each axis");
+  return Vec3{x, y, z};
+}
+
+void read_dynamics(SceneFields& fields, Machine& machine) {
+  machine.feed_max_mm_per_min = read_axes(fields, "feed_max_mm_per_min");
+  machine.acceleration_mm_per_s2 =
+      read_axes(fields, "acceleration_mm_per_s2").value_or(machine.acceleration_mm_per_s2);
+  machine.turn_max_rad_per_s = fields.positive("turn_max_rad_per_s", machine.turn_max_rad_per_s);
+  machine.turn_acceleration_rad_per_s2 =
+      fields.positive("turn_acceleration_rad_per_s2", machine.turn_acceleration_rad_per_s2);
+}
+
 Machine read_machine(const SceneValue& value, const std::map<ToolId, SceneTool>& tools) {
   SceneFields fields(value);
   Machine machine;
@@ -180,6 +198,7 @@ Machine read_machine(const SceneValue& value, const std::map<ToolId, SceneTool>&
         "kinematics",
         "\"" + kinematics + "\" is not supported; use xyz, xyzac-trt, xyzbc-trt or tool-vector");
   machine.rapid_mm_per_min = fields.positive("rapid_mm_per_min", machine.rapid_mm_per_min);
+  read_dynamics(fields, machine);
   const std::string dialect = fields.text("dialect", "auto");
   if (const auto named = dialect_of(dialect))
     machine.dialect = *named;

@@ -119,5 +119,25 @@ TEST(MachineTime, UnreachableFeedIsQuestioned) {
   EXPECT_FALSE(rapids.feed_question("p.ngc")) << "the speed of a rapid is the scene's";
 }
 
+TEST(MachineTime, TheMachineOfTheSceneStatesTheLimitsOfItsAxes) {
+  Machine machine;
+  machine.rapid_mm_per_min = 6000;
+  EXPECT_EQ(dynamics_of(machine).speed_max_mm_per_s, (Vec3{100, 100, 100}));
+  machine.feed_max_mm_per_min = Vec3{6000, 3000, 600};
+  machine.acceleration_mm_per_s2 = {2000, 1000, 100};
+  machine.turn_max_rad_per_s = 2;
+  machine.turn_acceleration_rad_per_s2 = 8;
+  const auto time_s = [&](Vec3 to) {
+    MachineTime time(dynamics_of(machine));
+    time.add(motion({0, 0, 0}, to, 1e6));
+    return time.total_s();
+  };
+  EXPECT_NEAR(time_s({100, 0, 0}), 100.0 / 100 + 100.0 / 2000, 1e-9);
+  EXPECT_NEAR(time_s({0, 100, 0}), 100.0 / 50 + 50.0 / 1000, 1e-9);
+  EXPECT_NEAR(time_s({0, 0, 100}), 100.0 / 10 + 10.0 / 100, 1e-9);
+  EXPECT_EQ(dynamics_of(machine).turn_max_rad_per_s, 2);
+  EXPECT_EQ(dynamics_of(machine).turn_acceleration_rad_per_s2, 8);
+}
+
 }  // namespace
 }  // namespace kerf

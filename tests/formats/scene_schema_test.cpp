@@ -50,7 +50,9 @@ std::vector<Json> every_field() {
     "$schema": "scene.schema.json", "name": "n",
     "accuracy": {"target_mm": 0.5, "rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01,
                  "motion": "paper"},
-    "machine": {"kinematics": "tool-vector", "dialect": "haas", "rotary_direction": "tool", "spindle_tool": 1, "rapid_mm_per_min": 9000},
+    "machine": {"kinematics": "tool-vector", "dialect": "haas", "rotary_direction": "tool", "spindle_tool": 1, "rapid_mm_per_min": 9000,
+                "feed_max_mm_per_min": [9000, 8000, 500], "acceleration_mm_per_s2": [500, 400, 90],
+                "turn_max_rad_per_s": 2, "turn_acceleration_rad_per_s2": 5},
     "tools": [
       {"id": 1, "shape": "ball", "diameter_mm": 4, "length_mm": 20,
        "shank": {"diameter_mm": 3, "length_mm": 9},

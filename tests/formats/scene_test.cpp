@@ -86,6 +86,16 @@ TEST(Scene, CanonicalTextReadsBackEqual) {
   EXPECT_EQ(std::get<CylinderObstacle>(again->settings.obstacles[1].shape).to_mm.x, 0.1);
 }
 
+TEST(Scene, CanonicalTextStatesTheLimitsOfTheMachineOnlyIfTheyAreGiven) {
+  const std::string limits =
+      R"("feed_max_mm_per_min":[9000.0,8000.0,500.0],"acceleration_mm_per_s2":[500.0,400.0,90.0],)"
+      R"("turn_max_rad_per_s":2.0,"turn_acceleration_rad_per_s2":5.0)";
+  const auto given = parse_scene(with("\"machine\": {", "\"machine\": {" + limits + ", "), {});
+  ASSERT_TRUE(given.has_value()) << to_string(given.error());
+  EXPECT_THAT(scene_json(*given), HasSubstr(limits));
+  EXPECT_EQ(scene_json(test::scene_for("xyz")).find("acceleration"), std::string::npos);
+}
+
 TEST(Scene, RaysAreDexelOrTriDexel) {
   const auto three = parse_scene(with("\"dexel\"", "\"tri-dexel\""), {});
   ASSERT_TRUE(three.has_value()) << to_string(three.error());
@@ -221,6 +231,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"\"specific_energy\"",
                  "\"mechanistic\", \"material\": \"oak\", \"runout_mm\": -0.1", "force.runout_mm",
                  "negative"},
+        BadScene{"\"xyzac-trt\"", "\"xyz\", \"acceleration_mm_per_s2\": [1, 0, 1]",
+                 "machine.acceleration_mm_per_s2", "above 0 on each axis"},
         BadScene{"xyzac-trt", "hexapod", "machine.kinematics", "hexapod"},
         BadScene{"\"obstacles\": []", "\"obstacles\": {}", "obstacles", "list"},
         BadScene{"\"obstacles\": []", "\"obstacles\": [{\"shape\": \"cone\"}]",
