@@ -109,6 +109,32 @@ describe('the panel of programs', () => {
     await wait(1000);
   }
 
+  it('plays the cuts of a program that has ended', async () => {
+    const replayed: number[] = [];
+    server.programs = [program(7)];
+    server.push();
+    const opener = document.createElement('button');
+    const panel = new ProgramsPanel(
+      server.model,
+      'demo',
+      opener,
+      null,
+      undefined,
+      undefined,
+      (one) => replayed.push(one.id),
+    );
+    panel.toggle();
+    await wait(1000);
+    const button = (): HTMLButtonElement => all<HTMLButtonElement>('program-play')[0]!;
+    expect(button().textContent).toBe('Pause');
+    server.programs = [program(7, { state: 'finished', motions_done: 100 })];
+    server.push();
+    await wait(1000);
+    expect(button().textContent).toBe('Play');
+    button().click();
+    expect(replayed).toEqual([7]);
+  });
+
   it('shows a rejected file until the user selects a program', async () => {
     await open(program(3));
     expect(text()).toContain('source of 3');

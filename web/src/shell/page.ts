@@ -12,12 +12,21 @@ import { failurePage } from '../ui/notice';
 import { showSessions } from './session_list';
 import { SessionPage } from './session_page';
 
+/** Removes a parameter from the address of the page. */
+function forgetParameter(parameters: URLSearchParams, name: string): void {
+  const kept = new URLSearchParams(parameters);
+  kept.delete(name);
+  history.replaceState(null, '', `?${kept}`);
+}
+
 function openSession(app: HTMLElement, session: string, parameters: URLSearchParams): void {
   document.title = `${session} · Kerf`;
   watchPolicy();
   const fullQuality = parameters.get('quality') === 'full';
   const embedded = parameters.has('embed');
-  const page = new SessionPage(app, session, viewerName(parameters), fullQuality, embedded);
+  const plays = parameters.has('play');
+  if (plays) forgetParameter(parameters, 'play'); // not again when the page is loaded again
+  const page = new SessionPage(app, session, viewerName(parameters), fullQuality, embedded, plays);
   installHook(page);
   page.start(frameLimit(parameters));
 }

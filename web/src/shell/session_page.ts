@@ -17,7 +17,7 @@ import { SessionModel } from '../model/session';
 import { nearestCut, soundOf } from '../model/sound';
 import type { SoundLevels } from '../model/sound';
 import type { CameraRig } from '../view/camera_rig';
-import type { Seek } from '../wire/types';
+import type { ProgramInfo, Seek } from '../wire/types';
 import { mark, marks } from '../model/marks';
 import { ArrowScale } from '../ui/arrow_scale';
 import { copyText, h } from '../ui/dom';
@@ -38,10 +38,12 @@ import { Panel } from './panel';
 import { Picture } from '../ui/picture';
 import { Poster } from '../ui/poster';
 import { mountPrograms } from '../ui/programs/mount';
+import { whenFinished } from '../ui/programs/when_finished';
 import { mountPast } from '../replay/mount';
 import type { PastSwitch } from '../replay/mount';
 import { SoundToggle } from '../ui/sound';
 import { mountTimeline } from '../ui/timeline/mount';
+import type { TimelineSwitch } from '../ui/timeline/mount';
 import { TitleBar } from '../ui/title_bar';
 import { mountTogether } from '../ui/together/mount';
 import type { Together } from '../ui/together/mount';
@@ -71,7 +73,7 @@ export class SessionPage {
   private readonly panel_: Panel;
   readonly picture: Picture;
   private readonly link_: ViewLink;
-  private readonly toggleTimeline_: () => void;
+  private readonly timeline_: TimelineSwitch;
   private readonly toggleInspect_: () => void;
   readonly carve: CarveSwitch;
   private readonly lookPolicy_ = new LookPolicy();
@@ -88,6 +90,7 @@ export class SessionPage {
     name: string,
     fullQuality: boolean,
     embedded: boolean,
+    plays: boolean,
   ) {
     this.picture = new Picture(this.canvas_, this.overlay_, this.model, fullQuality);
     this.past_ = mountPast({
@@ -126,14 +129,28 @@ export class SessionPage {
     app.replaceChildren(this.main_(embedded));
     const { element: toolbar } = this.toolbar_;
     const { oneOpen, layoutChanged } = host;
-    const showLine = mountPrograms(this.model, session, toolbar, host, oneOpen, layoutChanged);
+    const replay = (program: ProgramInfo): void =>
+      this.timeline_.playStrokesOf(program.participant);
+    const showLine = mountPrograms(
+      this.model,
+      session,
+      toolbar,
+      host,
+      oneOpen,
+      layoutChanged,
+      replay,
+    );
     const seek = (seek: Seek): void => this.past_.seek(seek);
-    this.toggleTimeline_ = mountTimeline({ ...host, toolbar, seek });
+    this.timeline_ = mountTimeline({ ...host, toolbar, seek });
+    if (plays) whenFinished(this.model.programs, session, replay);
     this.toggleInspect_ = mountInspect({ ...host, toolbar, showLine });
     this.carve = mountCarve({
       ...host,
       toolbar,
-      begins: () => this.past_.leave(),
+      begins: () => {
+        this.timeline_.stopPlaying();
+        this.past_.leave();
+      },
       frame: (nowMs) => this.frame_(nowMs),
     });
     this.listen_(embedded);
@@ -281,7 +298,7 @@ export class SessionPage {
       toggleArrows: () => this.toggleArrows_(),
       toggleGrid: () => this.picture.viewer?.toggleGrid(),
       toggleSound: () => this.sound.toggle(),
-      toggleTimeline: () => this.toggleTimeline_(),
+      toggleTimeline: () => this.timeline_.toggle(),
       toggleInspect: () => this.toggleInspect_(),
       toggleParallel: () => this.toggleParallel_(),
       toggleCarve: () => this.carve.toggle(),

@@ -195,7 +195,7 @@ export class NewBlock {
       const id = freeId(this.nameOf_(draft), this.taken());
       await createSession(id, this.sceneOf_(draft));
       if (draft.program) await this.run_(id, draft.program);
-      location.assign(sessionUrl(id));
+      location.assign(sessionUrl(id) + (draft.program ? '&play' : ''));
     } catch (problem) {
       this.setBusy_(false);
       if (draft.program) await this.tellFault_(draft.program, problem as Error);

@@ -13,6 +13,8 @@ export interface ControlActions {
   /** A query of PATCH, as in server/http/README.md. */
   change: (query: string) => void;
   cancel: () => void;
+  /** Shows the cuts of an ended program again; missing without a timeline. */
+  replay: ((program: ProgramInfo) => void) | undefined;
 }
 
 interface SpeedProps {
@@ -66,14 +68,26 @@ export function Controls({ program, may, actions }: ControlsProps) {
   const canEnd = may && isOpen(program);
   return (
     <div class="program-controls" role="group" aria-label={t('Program controls')}>
-      <button
-        type="button"
-        class="button program-play"
-        disabled={!canStep}
-        onClick={() => actions.change(isPaused ? 'do=resume' : 'do=pause')}
-      >
-        {isPaused ? t('Resume') : t('Pause')}
-      </button>
+      {isOpen(program) || !actions.replay ? (
+        <button
+          type="button"
+          class="button program-play"
+          disabled={!canStep}
+          onClick={() => actions.change(isPaused ? 'do=resume' : 'do=pause')}
+        >
+          {isPaused ? t('Resume') : t('Pause')}
+        </button>
+      ) : (
+        <button
+          type="button"
+          class="button program-play"
+          title={t('Show the cuts of this program again, one after another')}
+          disabled={program.motions_done === 0}
+          onClick={() => actions.replay?.(program)}
+        >
+          {t('Play')}
+        </button>
+      )}
       <button
         type="button"
         class="button quiet-button"

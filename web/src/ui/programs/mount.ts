@@ -3,6 +3,7 @@
 
 import { t } from '../../strings';
 import type { SessionModel } from '../../model/session';
+import type { ProgramInfo } from '../../wire/types';
 import { iconButton } from '../dom';
 import { ICONS } from '../icons';
 import { lazyPanel } from '../lazy_panel';
@@ -16,6 +17,7 @@ import type { ProgramsPanel } from './programs_panel';
  * @param host the picture, into which it draws the path
  * @param oneOpen closes it when another part opens
  * @param layoutChanged it was opened or closed
+ * @param replay shows the cuts of a program again
  * @returns a function that opens it at a line of a program
  */
 export function mountPrograms(
@@ -25,12 +27,13 @@ export function mountPrograms(
   host: PathHost,
   oneOpen: OneOpen,
   layoutChanged: () => void,
+  replay: (program: ProgramInfo) => void,
 ): (place: ProgramPlace) => void {
   let wanted: ProgramPlace | null = null;
   let panel: ProgramsPanel | null = null;
   const toggle = lazyPanel('programs panel', async () => {
     const { ProgramsPanel } = await import('./programs_panel');
-    panel = new ProgramsPanel(model, session, button, host, oneOpen, layoutChanged);
+    panel = new ProgramsPanel(model, session, button, host, oneOpen, layoutChanged, replay);
     if (wanted) panel.showLine(wanted);
     return panel;
   });

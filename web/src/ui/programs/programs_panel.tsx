@@ -9,7 +9,7 @@ import { ServerError } from '../../link/server_error';
 import type { ProgramPlace } from '../../model/program_place';
 import { isOpen } from '../../model/programs';
 import type { SessionModel } from '../../model/session';
-import type { Vec3 } from '../../wire/types';
+import type { ProgramInfo, Vec3 } from '../../wire/types';
 import { h } from '../dom';
 import { sentence } from '../format';
 import { OneOpen } from '../one_open';
@@ -51,6 +51,7 @@ export class ProgramsPanel {
     pathHost: PathHost | null = null,
     private readonly oneOpen = new OneOpen(),
     private readonly layoutChanged: () => void = () => undefined,
+    private readonly replay?: (program: ProgramInfo) => void,
   ) {
     this.state_ = new ProgramsState(model);
     this.requests_ = new ProgramRequests(session);
@@ -104,6 +105,7 @@ export class ProgramsPanel {
       select: (id: number) => this.select_(id),
       change: (query: string) => this.order_((id) => this.requests_.change(id, query)),
       cancel: () => this.order_((id) => this.requests_.cancel(id)),
+      replay: this.replay,
       showAlarm: (alarm: Alarm) => this.showAlarm_(alarm),
       follow: () => this.text_.follow(true),
     };

@@ -6,15 +6,36 @@ import { iconButton } from '../dom';
 import { ICONS } from '../icons';
 import { lazyPanel } from '../lazy_panel';
 import type { TimelineHost } from './host';
+import type { Timeline } from './timeline';
 
-/** Adds the button to the toolbar. Returns its action. */
-export function mountTimeline(host: TimelineHost): () => void {
+export interface TimelineSwitch {
+  toggle: () => void;
+  /** Opens the timeline and plays the strokes of a participant. */
+  playStrokesOf: (participant: number) => void;
+  stopPlaying: () => void;
+}
+
+/** Adds the button to the toolbar. */
+export function mountTimeline(host: TimelineHost): TimelineSwitch {
+  let wanted: number | null = null;
+  let timeline: Timeline | null = null;
   const toggle = lazyPanel('timeline', async () => {
     const { Timeline } = await import('./timeline');
-    return new Timeline(host, button);
+    timeline = new Timeline(host, button);
+    if (wanted !== null) timeline.playStrokesOf(wanted);
+    return timeline;
   });
   const button = iconButton(ICONS.timeline, t('Timeline'), 'T', toggle);
   button.setAttribute('aria-expanded', 'false');
   host.toolbar.firstElementChild?.after(button);
-  return toggle;
+  const playStrokesOf = (participant: number): void => {
+    wanted = participant;
+    timeline?.playStrokesOf(participant);
+    if (button.getAttribute('aria-expanded') !== 'true') toggle();
+  };
+  const stopPlaying = (): void => {
+    wanted = null;
+    timeline?.stopPlaying();
+  };
+  return { toggle, playStrokesOf, stopPlaying };
 }

@@ -8,6 +8,7 @@ import { branch, deleteVersion, nameVersion, renameVersion } from '../../link/hi
 import { pageAddress } from '../../link/request';
 import { changeStroke } from '../../link/strokes';
 import type { Stroke, StrokeChange } from '../../model/stroke';
+import { PartPlayback } from '../../model/part_playback';
 import { Seeker } from '../../model/seeker';
 import { whyNotUndo } from '../../model/stroke_choice';
 import { strokeAt } from '../../model/timeline';
@@ -56,6 +57,9 @@ export class Timeline {
   private readonly where_ = h('p', { class: 'timeline-where' });
   private readonly element_: HTMLElement;
   private selected_: Stroke | null = null;
+  /** The participant whose strokes are played as soon as they are known. */
+  private toPlay_: number | null = null;
+  private part_: PartPlayback | null = null;
   private problems_: number;
   private shownAt_ = '';
   private timer_: ReturnType<typeof setInterval> | undefined;
@@ -127,6 +131,37 @@ export class Timeline {
     }
   }
 
+  /**
+   * Plays the strokes of a participant from the first to the last, then shows the present. Takes
+   * effect when the timeline is open.
+   */
+  playStrokesOf(participant: number): void {
+    this.toPlay_ = participant;
+    this.records_.invalidate();
+  }
+
+  /** Ends the playing of strokes. The picture stays where it is in time. */
+  stopPlaying(): void {
+    this.toPlay_ = null;
+    this.part_ = null;
+  }
+
+  private beginPart_(): void {
+    const row = this.records_.rows.find(({ participant }) => participant === this.toPlay_);
+    const first = row?.strokes[0]?.id;
+    if (!row || first === undefined) return;
+    this.toPlay_ = null;
+    const last = Math.max(...row.strokes.map((stroke) => stroke.last));
+    this.part_ = new PartPlayback(first, last, performance.now());
+  }
+
+  private playPart_(nowMs: number): void {
+    if (!this.part_) return;
+    const record = this.part_.recordAt(nowMs);
+    if (this.part_.isOver(nowMs)) this.seek_('live', 0);
+    else if (record !== this.record_) this.ask_(record, 0);
+  }
+
   /** The record that is shown, or about to be; null: the present. */
   private get record_(): number | null {
     const { wish } = this.seeker_;
@@ -136,6 +171,11 @@ export class Timeline {
   }
 
   private seek_(at: number | 'live' | 'here', rate: number): void {
+    this.stopPlaying();
+    this.ask_(at, rate);
+  }
+
+  private ask_(at: number | 'live' | 'here', rate: number): void {
     this.selection_.note('');
     this.seeker_.ask({ at, rate }, this.host.model.state, performance.now());
     this.place_();
@@ -188,11 +228,13 @@ export class Timeline {
     const nowMs = performance.now();
     if (model.problems !== this.problems_ && this.seeker_.wish) {
       this.seeker_.rejected();
+      this.stopPlaying();
       this.tell_(new Error(model.problem));
     }
     this.problems_ = model.problems;
     if (model.status === 'connected') this.seeker_.tick(model.state, nowMs);
     else this.seeker_.lost();
+    this.playPart_(nowMs);
     this.place_();
     if (this.element_.hidden) {
       this.rest_();
@@ -216,7 +258,8 @@ export class Timeline {
     participants.looksBack = this.seeker_.looksBack;
     const record = this.record_;
     const isPast = this.seeker_.looksBack;
-    const rate = wish && wish.at !== 'live' ? wish.rate : (state?.at?.rate ?? 0);
+    const asked = wish && wish.at !== 'live' ? wish.rate : (state?.at?.rate ?? 0);
+    const rate = this.part_ ? 1 : asked;
     const reached = record !== null && state?.at?.record === record ? state.at.time_ms : 0;
     const place = isPast ? this.describe_(record, reached) : '';
     const key = `${place} ${record} ${rate} ${this.records_.end} ${this.seeker_.wish !== null}`;
@@ -228,7 +271,7 @@ export class Timeline {
     setText(this.where_, isPast ? '' : t('{0} steps', count(this.records_.end)));
     this.strip_.place(record ?? this.records_.end, isPast ? place : t('live'), rate > 0 && !wish);
     if (
-      rate > 0 &&
+      asked > 0 &&
       !wish &&
       record !== null &&
       record >= this.records_.end &&
@@ -251,6 +294,7 @@ export class Timeline {
   }
 
   private redraw_(): void {
+    this.beginPart_();
     const { rows, end, versions, forces } = this.records_;
     this.strip_.show({
       rows,
