@@ -25,7 +25,7 @@
 #include "server/session/session_registry.h"
 #include "server/threads/thread_pool.h"
 #include "tests/server/manual_executor.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {

@@ -23,7 +23,7 @@
 #include "server/history/journal_records.h"
 #include "server/store/journal_writer.h"
 #include "server/threads/thread_pool.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {

@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -14,6 +13,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::test {
 
@@ -31,13 +32,9 @@ inline const char* const kProgram =
 class KerfCarve : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ =
-        std::filesystem::temp_directory_path() / ("kerf-carve-test-" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder_);
     write("scene.json", kScene);
     write("p.ngc", kProgram);
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name, std::ios::binary) << text;
@@ -48,8 +45,8 @@ class KerfCarve : public testing::Test {
   }
   // Returns the exit status. The output goes to the files out and err.
   int run(const std::string& arguments) const {
-    const std::string command =
-        "cd '" + folder_.string() + "' && '" KERF_CARVE "' " + arguments + " >out 2>err </dev/null";
+    const std::string command = "cd '" + folder_.path().string() + "' && '" KERF_CARVE "' " +
+                                arguments + " >out 2>err </dev/null";
     const int status = std::system(command.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
@@ -59,13 +56,13 @@ class KerfCarve : public testing::Test {
   }
   std::vector<std::string> files() const {
     std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_))
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
       names.push_back(entry.path().filename().string());
     std::sort(names.begin(), names.end());
     return names;
   }
 
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 }  // namespace kerf::test

@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/temporary_folder.h"
+
 namespace kerf {
 namespace {
 
@@ -86,8 +88,6 @@ class Process {
 class CarveStop : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("kerf-stop-test-" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
     write("scene.json",
           R"({"stock": {"shape": "box", "min_mm": [0,0,0], "max_mm": [100,100,10]},
               "accuracy": {"pitch_mm": 1, "tolerance_mm": 0.01}, "tools": [
@@ -104,21 +104,20 @@ class CarveStop : public testing::Test {
                (n % 2 == 0 ? " I0.1 J0.1 K1\n" : " I0 J0 K1\n");
     write("turns.ngc", turns + "M2\n");
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name, std::ios::binary) << text;
   }
   std::vector<std::string> files() const {
     std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder_))
+    for (const auto& entry : fs::directory_iterator(folder_.path()))
       names.push_back(entry.path().filename().string());
     std::ranges::sort(names);
     return names;
   }
   // Whether a temporary file of this name has content.
   bool is_written(const std::string& name) const {
-    for (const auto& entry : fs::directory_iterator(folder_)) {
+    for (const auto& entry : fs::directory_iterator(folder_.path())) {
       std::error_code error;
       if (entry.path().filename().string().starts_with(name + ".part") &&
           entry.file_size(error) > 0 && !error)
@@ -130,7 +129,7 @@ class CarveStop : public testing::Test {
   void expect_stop(const std::vector<std::string>& words, const std::string& phase, int number,
                    int status, const std::string& message = "interrupted") const {
     const std::vector<std::string> before = files();
-    Process process(folder_, words);
+    Process process(folder_.path(), words);
     ASSERT_TRUE(process.wait_until([&](const std::string& shown) {
       return shown.find(phase) != std::string::npos;
     })) << process.shown();
@@ -140,7 +139,7 @@ class CarveStop : public testing::Test {
     EXPECT_EQ(files(), before);
   }
 
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(CarveStop, WhileAMeshStockIsDexelized) {
@@ -176,8 +175,8 @@ TEST_F(CarveStop, WhileModelsAreWritten) {
   for (const char* format : {"stl", "glb", "3mf", "ply", "obj"}) {
     const std::string name = std::string("m.") + format;
     const std::vector<std::string> before = files();
-    Process process(folder_, {"--scene", "scene.json", "--program", "cone.ngc", "--pitch", "0.05",
-                              std::string("--") + format, name, "--threads", "1"});
+    Process process(folder_.path(), {"--scene", "scene.json", "--program", "cone.ngc", "--pitch",
+                                     "0.05", std::string("--") + format, name, "--threads", "1"});
     ASSERT_TRUE(process.wait_until([&](const std::string&) { return is_written(name); }))
         << process.shown();
     process.signal(SIGINT);
@@ -188,9 +187,9 @@ TEST_F(CarveStop, WhileModelsAreWritten) {
 
 TEST_F(CarveStop, TradeoffPrintsTheRowsThatItHas) {
   const std::vector<std::string> before = files();
-  Process process(folder_, {"tradeoff", "--scene", "scene.json", "--program", "turns.ngc",
-                            "--pitches", "2,0.1", "--rays", "dexel", "--motions", "tight",
-                            "--tolerances", "0.1", "--samples", "100", "--csv", "t.csv"});
+  Process process(folder_.path(), {"tradeoff", "--scene", "scene.json", "--program", "turns.ngc",
+                                   "--pitches", "2,0.1", "--rays", "dexel", "--motions", "tight",
+                                   "--tolerances", "0.1", "--samples", "100", "--csv", "t.csv"});
   ASSERT_TRUE(process.wait_until([](const std::string& shown) {
     return shown.find("pitch 0.1") != std::string::npos;
   })) << process.shown();
@@ -203,9 +202,10 @@ TEST_F(CarveStop, TradeoffPrintsTheRowsThatItHas) {
 }
 
 TEST_F(CarveStop, TradeoffStopsARowThatExceedsItsBudget) {
-  Process process(folder_, {"tradeoff", "--scene", "scene.json", "--program", "turns.ngc",
-                            "--pitches", "2,0.02", "--rays", "dexel", "--motions", "tight",
-                            "--tolerances", "0.1", "--samples", "100", "--budget-seconds", "8"});
+  Process process(folder_.path(),
+                  {"tradeoff", "--scene", "scene.json", "--program", "turns.ngc", "--pitches",
+                   "2,0.02", "--rays", "dexel", "--motions", "tight", "--tolerances", "0.1",
+                   "--samples", "100", "--budget-seconds", "8"});
   EXPECT_EQ(process.end(), 0);
   EXPECT_THAT(process.shown(), HasSubstr("tolerance 0.1: stopped, --budget-seconds allows"));
 }

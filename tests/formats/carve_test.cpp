@@ -321,7 +321,7 @@ TEST_F(KerfCarve, InterruptLeavesNoFiles) {
   const std::vector<std::string> before = files();
   const pid_t child = ::fork();
   if (child == 0) {
-    if (::chdir(folder_.c_str()) != 0) ::_exit(9);
+    if (::chdir(folder_.path().c_str()) != 0) ::_exit(9);
     ::execl(KERF_CARVE, "kerf-carve", "--scene", "scene.json", "--program", "p.ngc", "--tolerance",
             "0.001", "--forces", "f.csv", static_cast<char*>(nullptr));
     ::_exit(9);

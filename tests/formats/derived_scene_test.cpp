@@ -3,11 +3,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
+
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {
@@ -117,9 +117,7 @@ TEST(DerivedScene, ReadsTheKlartextBlankOnlyFromNumbers) {
 }
 
 TEST(DerivedScene, QuestionsTheUnitOfATinyModel) {
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("kerf-derived-test-" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder);
+  const test::TemporaryFolder folder;
   // A tetrahedron with sides of `s`.
   const auto notes = [&](const std::string& s) {
     const std::string o = "vertex 0 0 0\n", x = "vertex " + s + " 0 0\n",
@@ -130,12 +128,11 @@ TEST(DerivedScene, QuestionsTheUnitOfATinyModel) {
     std::ofstream(folder / "t.stl") << text << "endsolid t\n";
     SceneWishes wishes;
     wishes.stock_file = "t.stl";
-    wishes.folder = folder;
+    wishes.folder = folder.path();
     return derived(kPocket, wishes).notes;
   };
   EXPECT_THAT(notes("0.04"), testing::Contains(testing::HasSubstr("stock.placement.unit")));
   EXPECT_THAT(notes("40"), testing::Not(testing::Contains(testing::HasSubstr("placement"))));
-  std::filesystem::remove_all(folder);
 }
 
 TEST(DerivedScene, ErrorsComeFromTheProgram) {

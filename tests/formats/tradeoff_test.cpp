@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +11,7 @@
 
 #include "server/carve/tradeoff_plot.h"
 #include "server/carve/tradeoff_table.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {
@@ -152,8 +152,6 @@ TEST(TradeoffPlot, IsWellFormedForAnyName) {
 class Tradeoff : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("kerf-tradeoff-test-" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
     write("scene.json",
           R"({"name": "t", "stock": {"shape": "box", "min_mm": [0,0,0], "max_mm": [20,20,10]},
               "accuracy": {"pitch_mm": 1, "tolerance_mm": 0.05},
@@ -163,7 +161,6 @@ class Tradeoff : public testing::Test {
           "G21 G90 T1 M6\nG0 X-5 Y10 Z7 I0 J0 K1\nG1 X25 F600\nG0 Z15\nX25 Y5\nG1 Z7 I0 J0.6 "
           "K0.8\nX-5 I0 J0 K1\nM2\n");
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name, std::ios::binary) << text;
@@ -173,13 +170,14 @@ class Tradeoff : public testing::Test {
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   }
   int run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.string() + "' && '" KERF_CARVE "' tradeoff " +
-                                arguments + " >out 2>err </dev/null";
+    const std::string command = "cd '" + folder_.path().string() +
+                                "' && '" KERF_CARVE "' tradeoff " + arguments +
+                                " >out 2>err </dev/null";
     const int status = std::system(command.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 const std::string kInput = "--scene scene.json --program p.ngc";

@@ -7,7 +7,7 @@
 #include "server/platform/clock.h"
 #include "tests/fuzz/targets.h"
 #include "tests/server/manual_executor.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::fuzz {
 namespace {

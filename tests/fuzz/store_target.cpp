@@ -9,7 +9,7 @@
 #include "server/store/record_batch.h"
 #include "server/store/tile_code.h"
 #include "tests/fuzz/targets.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::fuzz {
 

@@ -19,7 +19,7 @@
 #include "server/formats/scene.h"
 #include "tests/paper/check.h"
 #include "tests/paper/examples.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::paper {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "server/rights/access.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "server/rights/admin_token.h"
 #include "server/rights/rights.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "server/log/log.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {

@@ -9,7 +9,7 @@
 #include "server/http/byte_range.h"
 #include "server/http/download_cache.h"
 #include "server/http/download_name.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::net {
 namespace {

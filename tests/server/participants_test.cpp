@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/platform/clock.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {

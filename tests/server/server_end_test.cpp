@@ -9,7 +9,7 @@
 
 #include "server/server.h"
 #include "tests/bench/raster_agent.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::net {
 namespace {

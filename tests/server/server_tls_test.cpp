@@ -17,7 +17,7 @@
 #include "server/server.h"
 #include "tests/server/certificates.h"
 #include "tests/server/session_fixture.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::net {
 namespace {

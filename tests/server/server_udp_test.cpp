@@ -14,8 +14,8 @@
 #include "server/server.h"
 #include "server/wire/codec.h"
 #include "tests/bench/raster_agent.h"
-#include "tests/server/temporary_folder.h"
 #include "tests/support/eventually.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::net {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "server/session/session_registry.h"
 #include "tests/server/manual_executor.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 

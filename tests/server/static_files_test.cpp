@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::net {
 namespace {

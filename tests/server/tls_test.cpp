@@ -17,7 +17,7 @@
 #include "server/tls/tls_channel.h"
 #include "server/tls/tls_context.h"
 #include "tests/server/certificates.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::net {
 namespace {

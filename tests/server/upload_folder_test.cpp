@@ -8,7 +8,7 @@
 #include <fstream>
 #include <thread>
 
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::net {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "server/server.h"
-#include "tests/server/temporary_folder.h"
 #include "tests/server/whole/peer.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::net {
 namespace {

@@ -3,8 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <fstream>
+
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::agent {
 namespace {
@@ -19,14 +20,14 @@ TEST(DeviceChoice, SimWithoutFileUsesTheCarvingFigure) {
 }
 
 TEST(DeviceChoice, FileIsPlayedBySimOrReplay) {
-  const auto path = std::filesystem::temp_directory_path() / "kerf_agent_choice.apt";
+  const test::TemporaryFolder folder;
+  const auto path = folder / "hand.apt";
   std::ofstream(path) << "FEDRAT/60\nGOTO/0,0,0\nGOTO/1,0,0\n";
   const auto hand = choose_device("sim:" + path.string());
   const auto replay = choose_device("replay:" + path.string());
   ASSERT_TRUE(hand && replay);
   EXPECT_EQ(make_device(*hand, {}, {}).value()->capabilities().actuated_dof, 5);
   EXPECT_EQ(make_device(*replay, {}, {}).value()->capabilities().actuated_dof, 0);
-  std::filesystem::remove(path);
 }
 
 TEST(DeviceChoice, UsbDevicesAreChosenByName) {

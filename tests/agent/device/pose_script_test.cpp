@@ -3,9 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <fstream>
 #include <string>
+
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::agent {
 namespace {
@@ -137,11 +138,11 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(LoadScript, ReportsFileErrors) {
   EXPECT_NE(to_string(load_script("/no/such/file.apt").error()).find("cannot be read"),
             std::string::npos);
-  const auto path = std::filesystem::temp_directory_path() / "kerf_agent_program.ngc";
+  const test::TemporaryFolder folder;
+  const auto path = folder / "program.ngc";
   std::ofstream(path) << "G0 X1\n";
   EXPECT_NE(to_string(load_script(path.string()).error()).find("not a pose list"),
             std::string::npos);
-  std::filesystem::remove(path);
 }
 
 }  // namespace

@@ -15,8 +15,8 @@
 #include "server/server.h"
 #include "server/threads/run_and_wait.h"
 #include "tests/agent/link/lossy_line.h"
-#include "tests/server/temporary_folder.h"
 #include "tests/support/eventually.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::agent {
 namespace {

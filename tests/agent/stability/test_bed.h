@@ -15,7 +15,7 @@
 #include "server/wire/codec.h"
 #include "tests/agent/stability/virtual_line.h"
 #include "tests/server/shared_executor.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::agent {
 

@@ -8,7 +8,7 @@
 
 #include "server/cluster/nats_connection.h"
 #include "tests/server/cluster/nats_process.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::test {
 

@@ -11,7 +11,7 @@
 #include <csignal>
 #include <string>
 
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::test {
 

@@ -12,7 +12,7 @@
 #include "kernel/sculpture.h"
 #include "server/history/stroke_table.h"
 #include "server/store/journal_writer.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::test {
 

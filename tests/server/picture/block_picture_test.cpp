@@ -14,7 +14,7 @@
 #include "kernel/sculpture.h"
 #include "server/picture/picture_camera.h"
 #include "server/picture/png_file.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {

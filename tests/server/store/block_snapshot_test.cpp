@@ -14,7 +14,7 @@
 #include "kernel/kernel_version.h"
 #include "kernel/sculpture.h"
 #include "server/store/chunk_file.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {

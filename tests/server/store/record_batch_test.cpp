@@ -13,7 +13,7 @@
 #include "server/formats/pose_grid.h"
 #include "server/store/journal_reader.h"
 #include "server/store/journal_writer.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {

@@ -8,7 +8,7 @@
 #include "server/platform/clock.h"
 #include "server/store/journal_file.h"
 #include "server/store/journal_writer.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {

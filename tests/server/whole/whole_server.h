@@ -9,9 +9,9 @@
 #include <string>
 
 #include "server/server.h"
-#include "tests/server/temporary_folder.h"
 #include "tests/server/whole/peer.h"
 #include "tests/support/eventually.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::test {
 

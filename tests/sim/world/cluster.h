@@ -13,12 +13,12 @@
 #include <vector>
 
 #include "server/cluster/copies.h"
-#include "tests/server/temporary_folder.h"
 #include "tests/sim/world/hand.h"
 #include "tests/sim/world/http_client.h"
 #include "tests/sim/world/page.h"
 #include "tests/sim/world/scene.h"
 #include "tests/sim/world/server_machine.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::sim {
 

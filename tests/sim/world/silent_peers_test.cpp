@@ -13,10 +13,10 @@
 #include <string>
 
 #include "server/log/log.h"
-#include "tests/server/temporary_folder.h"
 #include "tests/sim/world/http_client.h"
 #include "tests/sim/world/scene.h"
 #include "tests/sim/world/server_machine.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::sim {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/server/temporary_folder.h"
 #include "tests/sim/world/process.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::sim {
 namespace {
