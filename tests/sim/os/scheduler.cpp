@@ -54,14 +54,22 @@ void note(std::uint64_t decision) noexcept {
 }
 
 bool exists(const Task& task) { return task.machine == nullptr || !task.machine->is_gone; }
-bool runs(const Task& task) {
-  return exists(task) && (task.machine == nullptr || task.machine->stands_until <= turns->now);
+/// The time before which the thread cannot run, whatever it waits for.
+Time held_until(const Task& task) {
+  return task.machine == nullptr ? 0 : std::max(task.machine->stands_until, task.no_core_until);
+}
+bool runs(const Task& task) { return exists(task) && held_until(task) <= turns->now; }
+
+void make_ready(Task& task) {
+  task.state = Task::State::kReady;
+  if (task.machine == nullptr || !task.machine->is_busy || !happens(Machine::kCoreWaits)) return;
+  task.no_core_until = turns->now + static_cast<Time>(draw(std::uint64_t{Machine::kCoreWait}));
 }
 
 void wake_expired() {
   for (Task* task : turns->tasks) {
     if (task->state != Task::State::kWaits || task->until > turns->now) continue;
-    task->state = Task::State::kReady;
+    make_ready(*task);
     task->timed_out = true;
   }
 }
@@ -81,7 +89,7 @@ void wake_with_input() {
   if (files.empty() || look(files.data(), files.size(), 0) <= 0) return;
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (files[i].revents != 0 && owners[i]->state == Task::State::kWaits) {
-      owners[i]->state = Task::State::kReady;
+      make_ready(*owners[i]);
     }
   }
 }
@@ -96,7 +104,7 @@ Task& choose() {
     for (const Task* task : turns->tasks) {
       if (!exists(*task)) continue;
       if (!runs(*task)) {
-        next = std::min(next, task->machine->stands_until);
+        next = std::min(next, held_until(*task));
       } else if (task->state == Task::State::kReady) {
         ++ready;
       } else {
@@ -250,7 +258,7 @@ int wake(const void* what, int count) {
     if (waiting.empty()) break;
     const bool all = count - woken >= static_cast<int>(waiting.size());
     if (!all) waiting = {waiting[draw(waiting.size())]};
-    for (Task* task : waiting) task->state = Task::State::kReady;
+    for (Task* task : waiting) make_ready(*task);
     woken += static_cast<int>(waiting.size());
   }
   return woken;

@@ -29,6 +29,10 @@ struct Machine {
   bool is_gone = false;       ///< its threads run no more
   bool lacks_memory = false;  ///< large allocations for requests fail by chance
   Time stands_until = 0;      ///< its threads stand still, as those of a process that was stopped
+  /// Its cores are busy: by chance a thread that could go on waits for a core, up to kCoreWait.
+  bool is_busy = false;
+  static constexpr Time kCoreWait = 200 * kMillisecond;
+  static constexpr double kCoreWaits = 0.1;
 
   Time monotonic(Time now) const;
   /// The time at which its monotonic clock shows `shown`, or somewhat later.

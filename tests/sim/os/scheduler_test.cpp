@@ -142,6 +142,29 @@ TEST(Scheduler, ReportsThreadsThatDoNotComeToAnEnd) {
   EXPECT_EQ(said, "the threads do not come to an end");
 }
 
+TEST(Scheduler, ThreadsOfABusyMachineAreLateAndAllRun) {
+  const auto latest_ms = [](bool is_busy) {
+    return simulate(2, [is_busy] {
+      Machine machine{.name = "one", .is_busy = is_busy};
+      Time latest = 0;
+      enter(&machine);
+      std::thread worker([&] {
+        for (int n = 0; n < 100; ++n) {
+          const Time due = now() + kMillisecond;
+          sleep_until(due);
+          latest = std::max(latest, now() - due);
+        }
+      });
+      enter(nullptr);
+      worker.join();
+      return std::to_string(latest / kMillisecond);
+    });
+  };
+  EXPECT_EQ(latest_ms(false), "0");
+  EXPECT_GT(std::stoi(latest_ms(true)), 50);
+  EXPECT_LE(std::stoi(latest_ms(true)), Machine::kCoreWait / kMillisecond);
+}
+
 TEST(Scheduler, ThreadsOfAMachineThatIsGoneRunNoMore) {
   const std::string said = simulate(3, [] {
     Machine machine{.name = "one"};

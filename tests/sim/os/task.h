@@ -21,6 +21,7 @@ struct Task {
   State state = State::kReady;
   const void* waits_for = nullptr;
   Time until = kNever;
+  Time no_core_until = 0;  ///< it waits for a core of its machine
   bool timed_out = false;
   std::vector<pollfd> files;  ///< that it waits for
   int static_locks = 0;       ///< mutexes of libraries, which all machines share, that it holds

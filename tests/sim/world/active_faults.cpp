@@ -69,6 +69,7 @@ void ActiveFaults::apply(std::size_t number) {
   const auto* disk = newest(number, {Fault::kDiskFull, Fault::kDiskFails, Fault::kNoSync});
   server.disk().state = disk == nullptr ? DiskState::kFine : disk_state_of(disk->fault);
   server.disk().sync_ns = newest(number, {Fault::kDiskSlow}) == nullptr ? kSync : kSlowSync;
+  server.machine().is_busy = newest(number, {Fault::kBusy}) != nullptr;
   server.machine().lacks_memory = newest(number, {Fault::kNoMemory}) != nullptr;
   if (newest(number, {Fault::kNatsCutOff}) != nullptr) {
     NatsModel::instance().cut_off(&server.machine());

@@ -8,8 +8,10 @@
 namespace kerf::sim {
 namespace {
 
-/// The faults of a server alone, and those of a cluster.
-constexpr std::size_t kOfOne = 12;
+/// The first faults are those of a server alone; the next ones need a cluster.
+constexpr std::size_t kOfOne = 12, kOfCluster = 15;
+/// One world in so many has a busy server.
+constexpr std::uint64_t kBusyWorlds = 4;
 
 Time between(std::mt19937_64& random, Time least, Time most) {
   return least + static_cast<Time>(random() % static_cast<std::uint64_t>(most - least + 1));
@@ -22,7 +24,7 @@ double choose(std::mt19937_64& random, std::initializer_list<double> values) {
 PlannedFault fault_of(std::mt19937_64& random, const Plan& plan) {
   PlannedFault fault;
   fault.at = between(random, 300 * kMillisecond, plan.length);
-  const std::size_t kinds = plan.servers == 1 ? kOfOne : kFaults;
+  const std::size_t kinds = plan.servers == 1 ? kOfOne : kOfCluster;
   fault.fault = static_cast<Fault>(random() % kinds);
   fault.server = random() % static_cast<std::size_t>(plan.servers);
   fault.length = between(random, 50 * kMillisecond, 3 * kSecond);
@@ -44,9 +46,9 @@ void end_first_server(Plan& plan, bool if_possible) {
 
 const char* to_string(Fault fault) {
   constexpr std::array<const char*, kFaults> kNames = {
-      "kill",          "power-loss", "restart",   "stand-still",  "cut",
-      "disk-full",     "disk-fails", "no-sync",   "disk-slow",    "no-memory",
-      "clock-forward", "clock-back", "nats-gone", "nats-earlier", "nats-cut-off"};
+      "kill",       "power-loss",   "restart",      "stand-still", "cut",           "disk-full",
+      "disk-fails", "no-sync",      "disk-slow",    "no-memory",   "clock-forward", "clock-back",
+      "nats-gone",  "nats-earlier", "nats-cut-off", "busy"};
   return kNames[static_cast<std::size_t>(fault)];
 }
 
@@ -70,6 +72,12 @@ Plan plan_of(std::uint64_t seed) {
   }
   std::ranges::sort(plan.faults, {}, &PlannedFault::at);
   end_first_server(plan, random() % 2 == 0);
+  if (random() % kBusyWorlds == 0) {
+    PlannedFault busy = fault_of(random, plan);
+    busy.fault = Fault::kBusy;
+    plan.faults.push_back(busy);
+    std::ranges::sort(plan.faults, {}, &PlannedFault::at);
+  }
   return plan;
 }
 

@@ -26,8 +26,9 @@ enum class Fault : std::uint8_t {
   kNatsGone,     ///< for `length`
   kNatsEarlier,  ///< for `length`, and comes back with the store of `length` before
   kNatsCutOff,   ///< this server from NATS, for `length`
+  kBusy,         ///< other programs use its cores for `length`: its threads are late
 };
-inline constexpr int kFaults = 15;
+inline constexpr int kFaults = 16;
 const char* to_string(Fault fault);
 
 struct PlannedFault {
