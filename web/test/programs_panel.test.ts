@@ -130,7 +130,7 @@ describe('the panel of programs', () => {
     server.programs = [program(7, { state: 'finished', motions_done: 100 })];
     server.push();
     await wait(1000);
-    expect(button().textContent).toBe('Play');
+    expect(button().textContent).toBe('Play the cuts');
     button().click();
     expect(replayed).toEqual([7]);
   });

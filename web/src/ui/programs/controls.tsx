@@ -85,7 +85,7 @@ export function Controls({ program, may, actions }: ControlsProps) {
           disabled={program.motions_done === 0}
           onClick={() => actions.replay?.(program)}
         >
-          {t('Play')}
+          {t('Play the cuts')}
         </button>
       )}
       <button
