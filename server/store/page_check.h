@@ -9,8 +9,8 @@
 namespace kerf {
 
 /// Reads all pages of a journal, including tables that readers of records do not need: a damaged
-/// page would stop the session when it writes there. May run in parallel with a writer of the file.
-/// Takes about as long as reading the file.
+/// page would stop the session when it writes there. Compares the names of its tables. May run in
+/// parallel with a writer of the file. Takes about as long as reading the file.
 std::expected<void, JournalError> check_pages(const std::filesystem::path& journal);
 
 }  // namespace kerf
