@@ -107,5 +107,16 @@ TEST_F(WorldTest, AHandThatIsOfflineWhileItsServerIsRestartedGoesOnWithoutAGap) 
   EXPECT_EQ(faults_of(plan), "");
 }
 
+/// An older state of the block reached the feed after a newer one, on a busy machine only.
+TEST_F(WorldTest, APageShowsTheLastCutOfABusyServer) {
+  Plan plan;
+  plan.hands = 1;
+  plan.clerks = 0;
+  plan.pages = 2;
+  plan.length = kSecond;
+  plan.faults = {{.at = 300 * kMillisecond, .fault = Fault::kBusy, .length = kSecond}};
+  EXPECT_EQ(faults_of(plan, 60), "");
+}
+
 }  // namespace
 }  // namespace kerf::sim
