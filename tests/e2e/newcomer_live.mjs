@@ -43,6 +43,15 @@ async function keep(page, name) {
   await writeFile(join(options.out, `${name}.png`), await page.screenshot({ fullPage: true }));
 }
 
+/** Makes the next pages note in `playback` that they have shown the past. */
+async function notePlayback(page) {
+  await page.addInitScript(() => {
+    new MutationObserver(() => {
+      if (document.querySelector('.past-banner:not([hidden])')) window.playback = 'shown';
+    }).observe(document, { subtree: true, childList: true, attributes: true });
+  });
+}
+
 /** Chooses a program and creates its block, as somebody does who reads nothing. */
 async function runProgram({ page, state }, base) {
   const began = Date.now();
@@ -55,6 +64,7 @@ async function runProgram({ page, state }, base) {
   assert.equal(await page.getByLabel('Stock from Z, mm').inputValue(), '-4');
   assert.equal(await page.getByLabel('Stock to X, mm').inputValue(), '42');
   await keep(page, 'lobby-program');
+  await notePlayback(page);
   await create.click();
   await page.waitForURL(`${base}/?session=first-part`);
   await until('the finished program', SETTLE_S, async () => {
@@ -64,6 +74,8 @@ async function runProgram({ page, state }, base) {
   console.log(`a program is carved after ${((Date.now() - began) / 1000).toFixed(1)} s`);
   await until('block', SETTLE_S, async () => (await state())?.snapshotComplete);
   await page.getByRole('heading', { name: 'first part', exact: true }).waitFor();
+  await page.waitForFunction(() => window.playback === 'shown');
+  await page.locator('.past-banner').waitFor({ state: 'hidden' });
 }
 
 /** A fault of a program or a model is shown where it was chosen, and the rest stays of use. */
