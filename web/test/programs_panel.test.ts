@@ -133,6 +133,7 @@ describe('the panel of programs', () => {
     expect(button().textContent).toBe('Play the cuts');
     button().click();
     expect(replayed).toEqual([7]);
+    expect(opener.getAttribute('aria-expanded')).toBe('false');
   });
 
   it('shows a rejected file until the user selects a program', async () => {

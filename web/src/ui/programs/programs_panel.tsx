@@ -105,7 +105,7 @@ export class ProgramsPanel {
       select: (id: number) => this.select_(id),
       change: (query: string) => this.order_((id) => this.requests_.change(id, query)),
       cancel: () => this.order_((id) => this.requests_.cancel(id)),
-      replay: this.replay,
+      replay: this.replay && ((program: ProgramInfo) => this.replay_(program)),
       showAlarm: (alarm: Alarm) => this.showAlarm_(alarm),
       follow: () => this.text_.follow(true),
     };
@@ -120,6 +120,12 @@ export class ProgramsPanel {
       />,
       this.element_,
     );
+  }
+
+  /** Leaves the picture its place and shows the cuts of a program there. */
+  private replay_(program: ProgramInfo): void {
+    this.toggle();
+    this.replay?.(program);
   }
 
   private showOpen_(): void {
