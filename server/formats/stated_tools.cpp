@@ -9,6 +9,7 @@
 #include "server/formats/heidenhain/blocks.h"
 #include "server/formats/letter_case.h"
 #include "server/formats/number_text.h"
+#include "server/formats/pycam_settings.h"
 #include "server/formats/text_lines.h"
 #include "server/formats/tool_comment.h"
 #include "server/formats/tool_text.h"
@@ -188,6 +189,13 @@ class Finder {
   }
 
   void describe(std::string_view comment, std::size_t line) {
+    if (pycam_.read(comment)) {
+      const auto words = pycam_.take_tool();
+      const auto tool = words ? tool_of_words(*words, unit_mm_) : std::nullopt;
+      if (tool) loose_ = stated(*tool, line);
+      if (tool) loose_->origins.diameter = Origin::kDerived;  // from the radius
+      return;
+    }
     if (const auto numbered = numbered_comment(comment)) {
       std::optional<ToolShape> exact;
       if (exported_.add(numbered->id, numbered->rest, exact)) {
@@ -225,6 +233,7 @@ class Finder {
   std::map<std::string, ToolId> names_;  ///< of TOOL CALL "NAME", in order
   std::map<ToolId, StatedTool> found_, defined_;
   ExportedTools exported_;
+  PycamSettings pycam_;
   std::optional<StatedTool> loose_;
   std::optional<ToolId> tool_;
   bool open_ = false;

@@ -22,6 +22,15 @@ Dialect judged(const std::string& text, const std::string& name = "p.nc") {
   return choice ? choice->dialect : Dialect::kAuto;
 }
 
+TEST(DialectChoice, CommentsAfterASemicolonAreNoCode) {
+  for (const char* comment :
+       {"; 9mm, cut-through", "; corner ,R2", "; G65 P1", "; #<width>", "; o<main> sub"}) {
+    EXPECT_TRUE(choose_dialect("p.nc", std::string("G21 G90 ") + comment + "\nG0 X1\n")->open)
+        << comment;
+  }
+  EXPECT_FALSE(choose_dialect("p.nc", "G1 X1 ,C2; a corner\n")->open);
+}
+
 TEST(DialectChoice, IsDeterminedByWordsOfOneController) {
   EXPECT_EQ(judged("%\nO1000\nG0 X1\nM30\n"), Dialect::kFanuc);
   EXPECT_EQ(judged("%\nO1000\nG154 P2\nM30\n"), Dialect::kHaas);

@@ -38,6 +38,12 @@ TEST(ToolWords, ReadPostprocessorComments) {
   EXPECT_EQ(words("TOOL/MILL,6.35, 3.17, 0.00, 0.00"), "ball, diameter 6.35 mm, length 31.75 mm");
 }
 
+TEST(ToolWords, ABareNumberNextToANamedDiameterIsADoubt) {
+  EXPECT_EQ(words("10.0 dia. ENDMILLM1000:REG"), "? flat, diameter 10 mm, length 50 mm");
+  EXPECT_EQ(words("D10 END MILL 7"), "? flat, diameter 10 mm, length 50 mm");
+  EXPECT_EQ(words("D10 END MILL D7"), "none") << "two diameters";
+}
+
 TEST(ToolWords, ReadHandWrittenComments) {
   EXPECT_EQ(words("5mm Endmill001"), "flat, diameter 5 mm, length 25 mm");
   EXPECT_EQ(words("1/4\" ball nose, 2 flute"), "ball, diameter 6.35 mm, length 31.75 mm");
@@ -201,6 +207,33 @@ TEST(StatedStock, IsReadFromComments) {
   EXPECT_EQ(size("G20\n(stock 50mm x 20mm x 10mm)\n"), (Vec3{50, 20, 10}));
   for (const char* none : {"(leave stock 0.5)", "(X1 Y2 Z3)", "(STOCK X1 Y0 Z3)", "STOCK X1 Y1 Z1"})
     EXPECT_FALSE(stated_stock(none, 1)) << none;
+}
+
+std::string pycam(const std::string& tool, const std::string& unit = "G21") {
+  return unit + "\n;PYCAM_TOOLPATH_SETTINGS: START\n;[Bounds]\n;maxz = 3.0\n;\n;[Tool]\n" + tool +
+         ";speed = 1000.0\n;\n;[Process]\n;step_down = 0.1\n;\n;PYCAM_TOOLPATH_SETTINGS: END\n"
+         "T3 M6\nG1 X1 F100\n";
+}
+
+TEST(StatedTools, SettingsOfPycamAreThoseOfTheNextTool) {
+  const auto one = [](const std::string& program) {
+    const auto tools = stated_tools(program);
+    const auto tool = tools.find(3);
+    return tools.size() == 1 && tool != tools.end() ? tool_text(tool->second.shape) : "none";
+  };
+  EXPECT_EQ(one(pycam(";torus_radius = 0.25\n;shape = CylindricalCutter\n;tool_radius = 1.5\n")),
+            "flat, diameter 3 mm, length 20 mm");
+  EXPECT_EQ(one(pycam(";shape = SphericalCutter\n;tool_radius = 4\n")),
+            "ball, diameter 8 mm, length 40 mm");
+  EXPECT_EQ(one(pycam(";torus_radius = 1\n;shape = ToroidalCutter\n;tool_radius = 5\n")),
+            "bull nose, diameter 10 mm, length 50 mm, corner radius 1 mm");
+  EXPECT_EQ(one(pycam(";shape = CylindricalCutter\n;tool_radius = 0.25\n", "G20")),
+            "flat, diameter 12.7 mm, length 63.5 mm");
+  EXPECT_EQ(one(pycam(";shape = SpoonCutter\n;tool_radius = 5\n")), "none");
+  EXPECT_EQ(one(pycam(";shape = CylindricalCutter\n;tool_radius = -1\n")), "none");
+  const auto tools = stated_tools(pycam(";shape = CylindricalCutter\n;tool_radius = 1.5\n"));
+  EXPECT_EQ(tools.at(3).origins.shape, Origin::kStated);
+  EXPECT_EQ(tools.at(3).origins.diameter, Origin::kDerived);
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ class LineText {
     for (const char written : line) {
       const char c = written == '\t' || written == '\r' ? ' ' : to_lower(written);
       if (c == '(' && part == Part::kCode) part = Part::kParentheses;
-      if (c != ' ' && part != Part::kParentheses) code += c;
+      if (c != ' ' && part == Part::kCode) code += c;
       if (c != ' ' || (!words_.empty() && words_.back() != ' ')) {
         words_ += c;
         // A word that ";" or "(" begins belongs to the code: ;$path=.
@@ -163,7 +163,7 @@ class LineText {
     return false;
   }
 
-  std::string code;  ///< without comments in parentheses and blanks
+  std::string code;  ///< without comments and blanks
 
  private:
   std::string words_;  ///< with single blanks
