@@ -84,6 +84,25 @@ Check rapid_check(const Scene& scene, const Program& program,
   return check;
 }
 
+bool removes_stock(const Simulation& simulation) {
+  return std::ranges::any_of(simulation.tools(),
+                             [](const auto& tool) { return tool.second.removed_mm3 > 0; });
+}
+
+std::vector<std::string> assumptions_of(const Scene& scene) {
+  std::vector<std::string> assumed;
+  if (scene.stock_assumed) assumed.emplace_back("the stock");
+  for (const auto& [id, tool] : scene.tools)
+    if (tool.assumed && !tool.idle) assumed.push_back("tool " + std::to_string(id));
+  return assumed;
+}
+
+std::string list_of(const std::vector<std::string>& items) {
+  std::string text;
+  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
+  return text;
+}
+
 std::string finding_text(const Finding& finding) {
   std::string text = finding.what;
   if (!finding.place.empty()) text += ", " + finding.place;
@@ -110,6 +129,8 @@ Verdict make_verdict(const Scene& scene, const Simulation& simulation, const Par
                   .tolerance_mm = tolerance_mm,
                   .cycle_s = simulation.cycle_s(tool_change_s),
                   .loose_mm3 = fit.loose_mm3,
+                  .cuts_nothing = !removes_stock(simulation),
+                  .assumed = assumptions_of(scene),
                   .checks = {}};
   verdict.checks.push_back(misfit_check("gouges", program, *fit.gouges, " mm too deep"));
   verdict.checks.push_back(misfit_check("uncut", program, *fit.rests, " mm left"));
@@ -145,11 +166,16 @@ std::string answer_of(const Verdict& verdict) {
                      verdict.part + " within " + formatted("%g", verdict.tolerance_mm) + " mm";
   if (verdict.makes_part() && !verdict.passes()) text += ", but not safely";
   const char* separator = ": ";
+  if (verdict.cuts_nothing) {
+    text += ": nothing was cut";
+    separator = ", ";
+  }
   for (const Check& check : verdict.checks) {
     if (check.count == 0) continue;
     text += separator + (check.name + (" (" + std::to_string(check.count) + ")"));
     separator = ", ";
   }
+  if (!verdict.assumed.empty()) text += "; assumed: " + list_of(verdict.assumed);
   return text + "; cycle time " + clock_text(verdict.cycle_s);
 }
 
@@ -189,7 +215,8 @@ std::string verdict_json(const Verdict& verdict) {
   const Json json{{"answer", answer_of(verdict)},         {"makes_part", verdict.makes_part()},
                   {"passes", verdict.passes()},           {"part", verdict.part},
                   {"tolerance_mm", verdict.tolerance_mm}, {"cycle_seconds", verdict.cycle_s},
-                  {"cut_loose_mm3", verdict.loose_mm3},   {"checks", checks}};
+                  {"cut_loose_mm3", verdict.loose_mm3},   {"cuts_nothing", verdict.cuts_nothing},
+                  {"assumed", verdict.assumed},           {"checks", checks}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

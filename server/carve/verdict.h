@@ -35,6 +35,9 @@ struct Verdict {
   double tolerance_mm = 0;
   double cycle_s = 0;
   double loose_mm3 = 0;  ///< of pieces that were cut loose
+  bool cuts_nothing = false;
+  /// Assumptions of a derived scene on which the answer depends: "the stock", "tool 2".
+  std::vector<std::string> assumed = {};
   std::vector<Check> checks;
 
   bool makes_part() const;

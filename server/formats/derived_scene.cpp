@@ -112,8 +112,10 @@ class Derivation {
     if (!scene) return std::unexpected(to_string(scene.error()));
     scene->stock_assumed = stock_assumed;
     question_unit(stock_bounds(scene->settings.stock));
-    for (auto& [id, tool] : scene->tools)
+    for (auto& [id, tool] : scene->tools) {
       tool.idle = std::ranges::find(facts->tools, id) == facts->tools.end();
+      tool.assumed = is_assumed(id);
+    }
     choose_accuracy_of(*scene);
     return DerivedScene{.scene = *std::move(scene),
                         .notes = std::move(notes_),
@@ -333,6 +335,13 @@ class Derivation {
   const GcodeEnvironment& environment_;
   const SceneWishes& wishes_;
   const std::stop_token& stop_;
+  /// Whether nothing states the diameter of a tool.
+  bool is_assumed(ToolId id) const {
+    return std::ranges::any_of(origins_, [id](const FieldOrigin& one) {
+      return one.tool == id && one.field == "diameter_mm" && one.origin == Origin::kAssumed;
+    });
+  }
+
   std::vector<std::string> notes_;
   std::vector<FieldOrigin> origins_;
   std::map<ToolId, ToolShape> tools_;

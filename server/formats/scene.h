@@ -41,6 +41,8 @@ struct SceneTool {
   /// In a derived scene: the program names the tool and never moves it, so it does not affect the
   /// accuracy. Not in the canonical text.
   bool idle = false;
+  /// In a derived scene: nothing states its diameter. Not in the canonical text.
+  bool assumed = false;
 };
 
 /// Chord tolerance of profiles without one, as a share of the scene's tolerance_mm. A larger value

@@ -44,6 +44,11 @@ TEST(ToolWords, ABareNumberNextToANamedDiameterIsADoubt) {
   EXPECT_EQ(words("D10 END MILL D7"), "none") << "two diameters";
 }
 
+TEST(ToolWords, FlutesMayBeCountedInWords) {
+  EXPECT_EQ(words("3.175mm flat end mill (single flute)"), "flat, diameter 3.175 mm, length 20 mm");
+  EXPECT_EQ(words("6 mm two flute ball nose"), "ball, diameter 6 mm, length 30 mm");
+}
+
 TEST(ToolWords, ReadHandWrittenComments) {
   EXPECT_EQ(words("5mm Endmill001"), "flat, diameter 5 mm, length 25 mm");
   EXPECT_EQ(words("1/4\" ball nose, 2 flute"), "ball, diameter 6.35 mm, length 31.75 mm");

@@ -141,6 +141,27 @@ TEST_F(Verify, RemainingRibIsUncutAtTheNearestLine) {
   EXPECT_NEAR(uncut["worst"][0]["at_mm"][2], 0, 1e-3);
 }
 
+TEST_F(Verify, TheAnswerNamesItsAssumptions) {
+  write_program("G0 Z-2\nG1 Y36\n");
+  const std::string kDerived =
+      "--verify p.ngc --reference part.stl --pitch 0.5 --wall-samples 0 --report r.json ";
+  EXPECT_EQ(run(kDerived), 3) << content("err");
+  EXPECT_THAT(content("out"), testing::HasSubstr("; assumed: the stock, tool 1; cycle time "));
+  EXPECT_EQ(Json::parse(content("r.json"))["verdict"]["assumed"],
+            Json::array({"the stock", "tool 1"}));
+  EXPECT_EQ(run(kDerived + "--tool 1=8"), 0) << content("out");
+  EXPECT_THAT(content("out"), testing::HasSubstr("; assumed: the stock; cycle time "));
+}
+
+TEST_F(Verify, AProgramThatCutsNothingIsSaidToCutNothing) {
+  write_program("G0 Z90\nG1 Y36\n");
+  EXPECT_EQ(run("--verify --program p.ngc --scene scene.json --reference part.stl --report r.json"),
+            3)
+      << content("err");
+  EXPECT_THAT(content("out"),
+              StartsWith("p.ngc does not make part.stl within 0.1 mm: nothing was cut, "));
+}
+
 TEST_F(Verify, ARapidThroughStockIsNamedWithItsLine) {
   write_program("G0 Z-2\nG1 Y10\nG0 Y36\n");
   const auto checks = failed(kSlotted, 3);
