@@ -19,6 +19,7 @@
 #include "server/carve/fit_pictures.h"
 #include "server/carve/model_outputs.h"
 #include "server/carve/output_file.h"
+#include "server/carve/program_cutter.h"
 #include "server/carve/progress.h"
 #include "server/carve/scene_choice.h"
 #include "server/carve/simulation_json.h"
@@ -36,10 +37,6 @@
 namespace kerf {
 namespace {
 
-/// Motions cut together: enough work for several threads, however short they are. Together they
-/// reach at most about kTilesTogether tiles, half a second's work, because a stop waits for them.
-constexpr std::size_t kMotionsTogether = 64;
-constexpr std::int64_t kTilesTogether = 8192;
 constexpr const char* kInterrupted = "interrupted";
 
 class Carving {
@@ -170,17 +167,18 @@ class Carving {
       write_forces_header(forces, options_.device_limits);
     }
     simulation_.emplace(scene_, program_, options_.report || options_.verify);
+    ProgramCutter cutter(scene_, program_, *sculpture_, pool_, options_.forces.has_value());
     uncut_ = sculpture_->snapshot();
     progress_.show("carving", 0);
     const std::span<const ProgramMotion> all = program_.motions;
     while (report_.motions < all.size()) {
       if (stop_.stop_requested()) return {};
-      const auto results = apply(all.subspan(report_.motions));
-      if (!results) return std::unexpected(results.error());
-      for (const MotionResult& result : *results) {
+      const auto cuts = cutter.cut(all.subspan(report_.motions), stop_);
+      if (!cuts) return bad_input(cuts.error());
+      for (const auto& [result, depth_mm] : *cuts) {
         const ProgramMotion& motion = all[report_.motions++];
         report_.machining_s += motion.duration_s;
-        simulation_->follow(motion, result);
+        simulation_->follow(motion, result, depth_mm);
         if (options_.forces) {
           write_forces_row(forces, report_.machining_s, motion.to, result, options_.device_limits);
         }
@@ -198,25 +196,6 @@ class Carving {
     report_.state_hash = sculpture_->state_hash();
     report_.cut_s = watch_.lap();
     return simulate();
-  }
-
-  // Applies the first of these motions. If one is rejected, the block is discarded.
-  std::expected<std::vector<MotionResult>, Failure> apply(std::span<const ProgramMotion> motions) {
-    std::vector<MoveTool> moves;
-    std::int64_t tiles = 0;
-    for (const ProgramMotion& motion : motions) {
-      if (moves.size() == kMotionsTogether || tiles >= kTilesTogether) break;
-      moves.push_back({.tool = motion.tool,
-                       .from = motion.from,
-                       .to = motion.to,
-                       .duration_s = motion.duration_s,
-                       .feel = options_.forces.has_value()});
-      if (const auto ok = sculpture_->check(moves.back()); !ok) {
-        return bad_input(place_of(program_, motion.file, motion.line) + ": " + ok.error().reason);
-      }
-      tiles += sculpture_->tiles_in_reach(moves.back());
-    }
-    return sculpture_->apply(moves, pool_);
   }
 
   // NC verification: times, loads, collisions, gouges, rests.

@@ -23,14 +23,16 @@ void keep_greatest(Extreme& extreme, double value, const ProgramMotion& motion) 
   extreme = {value, motion.file, motion.line, motion.tool, motion.to.tip_mm};
 }
 
-/// Adds a volume to the entry of the motion's line.
-void add_to_line(std::vector<LineVolume>& lines, const ProgramMotion& motion, double mm3) {
+/// Adds a cut to the entry of the motion's line.
+void add_to_line(std::vector<LineVolume>& lines, const ProgramMotion& motion, double mm3,
+                 double depth_mm) {
   const bool same_line =
       !lines.empty() && lines.back().line == motion.line && lines.back().file == motion.file;
   if (same_line) {
     lines.back().mm3 += mm3;
+    lines.back().depth_mm = std::max(lines.back().depth_mm, depth_mm);
   } else if (lines.size() < kLinesMax) {
-    lines.push_back({motion.file, motion.line, motion.tool, mm3});
+    lines.push_back({motion.file, motion.line, motion.tool, mm3, depth_mm});
   }
 }
 
@@ -42,7 +44,7 @@ Simulation::Simulation(const Scene& scene, const Program& program, bool look_for
     obstacles_.emplace(scene.settings.obstacles);
 }
 
-void Simulation::follow(const ProgramMotion& motion, const MotionResult& result) {
+void Simulation::follow(const ProgramMotion& motion, const MotionResult& result, double depth_mm) {
   const double path_mm = length(motion.to.tip_mm - motion.from.tip_mm);
   const double turn = turn_rad(motion);
   machine_.add(motion);
@@ -50,7 +52,8 @@ void Simulation::follow(const ProgramMotion& motion, const MotionResult& result)
   ToolUse& use = tools_[motion.tool];
   use.removed_mm3 += result.removed_mm3;
   use.imprint_mm3 += result.imprint_mm3;
-  if (result.imprint_mm3 > kNothingRemovedMm3) add_to_line(imprints_, motion, result.imprint_mm3);
+  if (result.imprint_mm3 > kNothingRemovedMm3)
+    add_to_line(imprints_, motion, result.imprint_mm3, 0);
   const auto add = [&](Travel& travel) {
     travel.seconds += motion.duration_s;
     travel.length_mm += path_mm;
@@ -59,7 +62,7 @@ void Simulation::follow(const ProgramMotion& motion, const MotionResult& result)
     dwell_s_ += motion.duration_s;
   } else if (motion.rapid) {
     add(rapid_);
-    if (cuts) add_to_line(rapid_cuts_, motion, result.removed_mm3);
+    if (cuts) add_to_line(rapid_cuts_, motion, result.removed_mm3, depth_mm);
   } else {
     add(feed_);
     add(use.feed);

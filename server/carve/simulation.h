@@ -44,6 +44,7 @@ struct LineVolume {
   std::uint32_t file = 0, line = 0;
   ToolId tool = 0;
   double mm3 = 0;
+  double depth_mm = 0;  ///< of the deepest motion; rapids only
 };
 
 /// Collects the figures of an NC verification while a program is carved: times, loads, collisions,
@@ -54,8 +55,9 @@ class Simulation {
   /// samples every motion.
   Simulation(const Scene& scene, const Program& program, bool look_for_obstacles);
 
-  /// Adds the next motion of the program and its result.
-  void follow(const ProgramMotion& motion, const MotionResult& result);
+  /// Adds the next motion of the program and its result. `depth_mm`: how deep it has cut
+  /// (CutDepth), for a rapid.
+  void follow(const ProgramMotion& motion, const MotionResult& result, double depth_mm = 0);
 
   const Travel& feed() const { return feed_; }
   const Travel& air() const { return air_; }

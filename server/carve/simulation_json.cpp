@@ -73,13 +73,25 @@ void add_contacts(Json& list, const Program& program, const ContactRuns& contact
   }
 }
 
-Json lines_json(const Program& program, const std::vector<LineVolume>& lines, const char* volume) {
+Json imprints_json(const Program& program, const std::vector<LineVolume>& lines) {
   Json list = Json::array();
   for (const LineVolume& line : lines) {
     if (list.size() >= kListMax) break;
     list.push_back({{"place", place_of(program, line.file, line.line)},
                     {"tool", line.tool},
-                    {volume, line.mm3}});
+                    {"imprint_mm3", line.mm3}});
+  }
+  return list;
+}
+
+Json rapids_json(const Program& program, const std::vector<LineVolume>& lines) {
+  Json list = Json::array();
+  for (const LineVolume& line : lines) {
+    if (list.size() >= kListMax) break;
+    list.push_back({{"place", place_of(program, line.file, line.line)},
+                    {"tool", line.tool},
+                    {"depth_mm", line.depth_mm},
+                    {"removed_mm3", line.mm3}});
   }
   return list;
 }
@@ -110,6 +122,27 @@ Json misfits_json(const Program& program, const std::optional<Misfits>& misfits)
 bool plunges(const Simulation& simulation, const LineVolume& line) {
   const double radius = simulation.scene().tools.at(line.tool).tool.radius_mm;
   return line.mm3 > 2 * std::numbers::pi * radius * radius * radius;
+}
+
+// Surfaces are only accurate to the tolerance, so rapids that cut no deeper get no warning.
+void warn_of_rapids(const Simulation& simulation, std::vector<std::string>& warnings) {
+  const double tolerance_mm = simulation.scene().settings.tolerance_mm;
+  std::size_t count = 0;
+  for (const LineVolume& line : simulation.rapid_cuts()) {
+    if (line.depth_mm <= tolerance_mm) continue;
+    if (++count > kWarningsMax) return;
+    warnings.push_back(place_of(simulation.program(), line.file, line.line) +
+                       ": rapid motion through material: " + std::to_string(line.depth_mm) +
+                       " mm deep, " + std::to_string(line.mm3) + " mm3 removed");
+  }
+}
+
+void warn_of_imprints(const Simulation& simulation, std::vector<std::string>& warnings) {
+  const std::vector<LineVolume>& lines = simulation.imprints();
+  for (std::size_t i = 0; i < std::min(lines.size(), kWarningsMax); ++i)
+    warnings.push_back(place_of(simulation.program(), lines[i].file, lines[i].line) +
+                       ": the tool starts inside the stock: " + std::to_string(lines[i].mm3) +
+                       " mm3 removed there without force");
 }
 
 // A tool that leans in the wrong direction approaches from inside the stock.
@@ -143,44 +176,36 @@ std::string simulation_json(const Simulation& simulation, double tool_change_s,
   Json collisions = Json::array();
   add_contacts(collisions, program, simulation.stock_contacts(), "stock", "depth_mm");
   add_contacts(collisions, program, simulation.obstacle_contacts(), "obstacle", "push_n");
-  const Json json{
-      {"cycle_seconds", simulation.cycle_s(tool_change_s)},
-      {"machine_seconds", simulation.machine_s()},
-      {"feed_seconds", feed.seconds},
-      {"rapid_seconds", simulation.rapid().seconds},
-      {"dwell_seconds", simulation.dwell_s()},
-      {"tool_changes", tool_changes_json(program, tool_change_s)},
-      {"feed_length_mm", feed.length_mm},
-      {"rapid_length_mm", simulation.rapid().length_mm},
-      {"air_cutting",
-       {{"seconds", air.seconds},
-        {"length_mm", air.length_mm},
-        {"share_of_feed_time", share(air.seconds, feed.seconds)},
-        {"share_of_feed_length", share(air.length_mm, feed.length_mm)}}},
-      {"tools", tools_json(simulation)},
-      {"max_engaged_area", extreme_json(program, "mm2", area)},
-      {"max_removal_rate", extreme_json(program, "mm3_per_s", rate)},
-      {"max_force", extreme_json(program, "n", force)},
-      {"collisions", collisions},
-      {"rapids_through_stock", lines_json(program, simulation.rapid_cuts(), "removed_mm3")},
-      {"starts_inside_stock", lines_json(program, simulation.imprints(), "imprint_mm3")},
-      {"gouges", misfits_json(program, fit.gouges)},
-      {"rests", misfits_json(program, fit.rests)}};
+  const Json json{{"cycle_seconds", simulation.cycle_s(tool_change_s)},
+                  {"machine_seconds", simulation.machine_s()},
+                  {"feed_seconds", feed.seconds},
+                  {"rapid_seconds", simulation.rapid().seconds},
+                  {"dwell_seconds", simulation.dwell_s()},
+                  {"tool_changes", tool_changes_json(program, tool_change_s)},
+                  {"feed_length_mm", feed.length_mm},
+                  {"rapid_length_mm", simulation.rapid().length_mm},
+                  {"air_cutting",
+                   {{"seconds", air.seconds},
+                    {"length_mm", air.length_mm},
+                    {"share_of_feed_time", share(air.seconds, feed.seconds)},
+                    {"share_of_feed_length", share(air.length_mm, feed.length_mm)}}},
+                  {"tools", tools_json(simulation)},
+                  {"max_engaged_area", extreme_json(program, "mm2", area)},
+                  {"max_removal_rate", extreme_json(program, "mm3_per_s", rate)},
+                  {"max_force", extreme_json(program, "n", force)},
+                  {"collisions", collisions},
+                  {"rapids_through_stock", rapids_json(program, simulation.rapid_cuts())},
+                  {"starts_inside_stock", imprints_json(program, simulation.imprints())},
+                  {"gouges", misfits_json(program, fit.gouges)},
+                  {"rests", misfits_json(program, fit.rests)}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 void warn_of_simulation(const Simulation& simulation, const PartFit& fit,
                         std::vector<std::string>& warnings) {
   const Program& program = simulation.program();
-  const auto warn_of = [&](const std::vector<LineVolume>& lines, const char* event,
-                           const char* then) {
-    for (std::size_t i = 0; i < std::min(lines.size(), kWarningsMax); ++i)
-      warnings.push_back(place_of(program, lines[i].file, lines[i].line) + ": " + event + ": " +
-                         std::to_string(lines[i].mm3) + then);
-  };
-  warn_of(simulation.rapid_cuts(), "rapid motion through material", " mm3 removed");
-  warn_of(simulation.imprints(), "the tool starts inside the stock",
-          " mm3 removed there without force");
+  warn_of_rapids(simulation, warnings);
+  warn_of_imprints(simulation, warnings);
   warn_of_rotary_direction(simulation, warnings);
   warn_of_stock_contacts(simulation.stock_contacts(), program, warnings);
   warn_of_obstacle_contacts(simulation.obstacle_contacts(), program, warnings);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <utility>
 
 #include "server/carve/markup.h"
@@ -69,17 +68,16 @@ Check contact_check(const char* name, const Program& program, const ContactRuns&
   return check;
 }
 
-// A rapid that leaves a surface may remove a film as thick as the tolerance of the cuts.
+// A rapid that leaves a surface may cut as deep as the tolerance of the cuts.
 Check rapid_check(const Scene& scene, const Program& program,
                   const std::vector<LineVolume>& lines) {
   Check check{"rapids through stock", 0, false, {}};
   for (const LineVolume& line : lines) {
-    const double radius_mm = scene.tools.at(line.tool).tool.radius_mm;
-    if (line.mm3 <= scene.settings.tolerance_mm * std::numbers::pi * radius_mm * radius_mm)
-      continue;
+    if (line.depth_mm <= scene.settings.tolerance_mm) continue;
     if (++check.count > kFindingsMax) continue;
-    check.worst.push_back(at_line(program, line.file, line.line, line.tool,
-                                  decimal(line.mm3) + " mm3 removed by a rapid"));
+    check.worst.push_back(at_line(
+        program, line.file, line.line, line.tool,
+        decimal(line.depth_mm) + " mm deep, " + decimal(line.mm3) + " mm3 removed by a rapid"));
   }
   return check;
 }

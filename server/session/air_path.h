@@ -4,29 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "kernel/sculpture.h"
+#include "kernel/sculpture_command.h"
+#include "server/verify/air_space.h"
 
 namespace kerf {
-
-/// Maximum deviation of a joined air motion from the original path.
-inline constexpr double kAirToleranceMm = 0.001;
-
-/// The region that air motions avoid: the box around the stock. A motion whose tool, shank and
-/// holder stay outside removes nothing, whatever was cut before.
-class AirSpace {
- public:
-  explicit AirSpace(const SculptureSettings& settings);
-  /// True if the motion cannot change the block and needs no force. Always false in a scene with
-  /// obstacles and while the axis turns.
-  bool contains(const MoveTool& move, const Tool& tool) const;
-  /// True if the tool with shank and holder stays clear of the original stock. Always false while
-  /// the axis turns.
-  bool is_clear(const MoveTool& move, const Tool& tool) const;
-
- private:
-  bool has_obstacles_;
-  Vec3 low_mm_, high_mm_;
-};
 
 /// Joins consecutive air motions of a program into one straight motion at one speed.
 class AirPath {

@@ -24,6 +24,7 @@
 #include "server/session/reserved.h"
 #include "server/session/session_journal.h"
 #include "server/session/session_limits.h"
+#include "server/verify/cut_depth.h"
 #include "server/wire/types.h"
 
 namespace kerf {
@@ -59,11 +60,12 @@ class Carving {
   std::optional<MotionAnswer> go_on(ParticipantState& state, Workers& workers);
   /// Whether a batch of the participant is in progress.
   bool has_batch(ParticipantId id) const { return batches_.contains(id); }
-  /// Carves one motion of a program and searches it for gouges if the program has a target. Returns
-  /// nullopt if that is more work than one turn: repeat the call with the same motion. If a motion
-  /// takes several turns, cuts by other participants in its tiles count as its own. Consecutive air
-  /// motions are joined (air_path.h): they are applied and journaled with the next motion that does
-  /// not join them. Fails with kBusy while the journal has no space for programs.
+  /// Carves one motion of a program, and searches it for gouges if the program has a target and for
+  /// its depth if it is a rapid near the stock. Returns nullopt if that is more work than one turn:
+  /// repeat the call with the same motion. If a motion takes several turns, cuts by other
+  /// participants in its tiles count as its own. Consecutive air motions are joined (air_path.h):
+  /// they are applied and journaled with the next motion that does not join them. Fails with kBusy
+  /// while the journal has no space for programs.
   std::expected<std::optional<CarvedMotion>, Rejection> move(const ProgramStep& step);
   /// Shows the tool of a program at a pose along the motion to be carved next, with the force of
   /// the motion before it.
@@ -145,11 +147,13 @@ class Carving {
     std::optional<std::pair<Recorded, MoveTool>> last = {};
   };
   using Applied = std::expected<std::optional<MotionResult>, Rejection>;
-  /// A motion of a program that is searched for gouges.
+  /// A motion of a program that is searched for gouges, or for the depth of a rapid.
   struct Searched {
     std::optional<DexelSnapshot> before = {};  ///< the field before it, until it is complete
     CarvedMotion carved = {};
-    std::optional<GougeCheck> check = {};
+    std::optional<CutDepth> depth = {};
+    std::optional<GougeCheck> gouges = {};
+    bool has_begun() const { return depth.has_value() || gouges.has_value(); }
   };
 
   bool work(ParticipantState& state, Batch& batch);
@@ -188,6 +192,8 @@ class Carving {
   Applied apply_or_join(const ProgramStep& step, std::int64_t& tiles);
   void end_stroke(const ProgramStep& step, const MoveTool& move, const Tool& tool);
   CarvedMotion carved_of(const ProgramStep& step, const MotionResult& done) const;
+  bool is_searched(const ProgramStep& step) const;
+  void begin_search(const ProgramStep& step, const MotionResult& done, Searched& search);
   void show_step(const ProgramStep& step, const MotionResult& done);
   std::optional<CarvedMotion> search_on(ParticipantId id);
 
@@ -199,7 +205,7 @@ class Carving {
   std::optional<Obstacles> obstacles_;  ///< set if the scene has any
   Reserved reserved_;
   std::map<ParticipantId, AirPath> air_paths_;  ///< by program
-  std::map<ParticipantId, Searched> searched_;  ///< by program with a target
+  std::map<ParticipantId, Searched> searched_;  ///< by program
   std::set<TileIndex> changed_;
   std::map<ParticipantId, Batch> batches_;  ///< batches in progress
   std::vector<ParticipantId> waiting_;      ///< with queued batches, in order of arrival

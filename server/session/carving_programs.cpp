@@ -8,7 +8,7 @@
 namespace kerf {
 namespace {
 
-/// Work of one turn in the search for gouges, in distance computations: about 0.3 ms.
+/// Work of one turn in the search of a motion, in distance computations: about 0.3 ms.
 constexpr std::size_t kDistancesPerTurn = 300;
 /// Maximum number of poses along a motion that are checked against obstacles: about 0.3 ms.
 constexpr int kObstaclePlacesMax = 200;
@@ -83,27 +83,49 @@ void Carving::show(ParticipantId id, const ToolPose& pose) {
 }
 
 CarvedMotion Carving::carved_of(const ProgramStep& step, const MotionResult& done) const {
-  const SculptureSettings& settings = sculpture_.settings();
-  const Tool& tool = *sculpture_.tool(step.motion.tool);
   CarvedMotion carved{.removed_mm3 = done.removed_mm3,
                       .stock_contact_mm = done.stock_contact_mm,
                       .cutting_n = length(done.wrench.force_n - done.collision.force_n)};
-  const AlarmLimits limits{.tolerance_mm = settings.tolerance_mm};
-  carved.film_mm3 = limits.film_mm3(tool.radius_mm);
   if (step.feel && obstacles_) {
-    carved.collision_n = greatest_push_n(*obstacles_, tool, step.motion, settings.force.pivot_mm,
-                                         kObstaclePlacesMax);
+    carved.collision_n =
+        greatest_push_n(*obstacles_, *sculpture_.tool(step.motion.tool), step.motion,
+                        sculpture_.settings().force.pivot_mm, kObstaclePlacesMax);
   }
   return carved;
 }
 
-/// Searches a completed motion of a program for gouges; nullopt while the search is unfinished.
+/// Whether a motion is searched once it has cut: for gouges, or, as a rapid, for its depth.
+bool Carving::is_searched(const ProgramStep& step) const {
+  if (step.target != nullptr) return true;
+  const ProgramMotion& motion = step.motion;
+  const Tool* tool = sculpture_.tool(motion.tool);
+  return motion.rapid && tool != nullptr &&
+         !air_.is_clear({motion.tool, motion.from, motion.to, motion.duration_s, false}, *tool);
+}
+
+/// Begins the search of a motion that has cut, in the stock before and after it.
+void Carving::begin_search(const ProgramStep& step, const MotionResult& done, Searched& search) {
+  const ProgramMotion& motion = step.motion;
+  const DexelSnapshot after = sculpture_.snapshot();
+  if (motion.rapid) {
+    search.depth.emplace(*sculpture_.tool(motion.tool), motion.from, motion.to,
+                         sculpture_.settings().tolerance_mm, *search.before, after, done.cut_tiles);
+  }
+  if (step.target != nullptr)
+    search.gouges.emplace(*step.target, *search.before, after, done.cut_tiles);
+  search.before.reset();
+}
+
+/// Searches a completed motion of a program; nullopt while the search is unfinished.
 std::optional<CarvedMotion> Carving::search_on(ParticipantId id) {
   const CpuCosts::Meter meter(costs_, id);
   const auto found = searched_.find(id);
-  if (!found->second.check->advance(kDistancesPerTurn)) return std::nullopt;
-  CarvedMotion carved = std::move(found->second.carved);
-  carved.gouge = found->second.check->deepest();
+  Searched& search = found->second;
+  if (search.depth && !search.depth->advance(kDistancesPerTurn)) return std::nullopt;
+  if (search.gouges && !search.gouges->advance(kDistancesPerTurn)) return std::nullopt;
+  CarvedMotion carved = std::move(search.carved);
+  if (search.depth) carved.depth_mm = search.depth->depth_mm();
+  if (search.gouges) carved.gouge = search.gouges->deepest();
   searched_.erase(found);
   return carved;
 }
@@ -111,7 +133,7 @@ std::optional<CarvedMotion> Carving::search_on(ParticipantId id) {
 std::expected<std::optional<CarvedMotion>, Rejection> Carving::move(const ProgramStep& step) {
   const ParticipantId id = step.participant;
   const auto searched = searched_.find(id);
-  if (searched != searched_.end() && searched->second.check) return search_on(id);
+  if (searched != searched_.end() && searched->second.has_begun()) return search_on(id);
   std::int64_t tiles = kTilesPerTurn;
   Applied result;
   if (cuts_.contains(id)) {
@@ -119,7 +141,7 @@ std::expected<std::optional<CarvedMotion>, Rejection> Carving::move(const Progra
   } else if (auto ok = journal_.check_space_for_programs(); !ok) {
     return std::unexpected(ok.error());
   } else {
-    if (step.target != nullptr) searched_[id].before = sculpture_.snapshot();
+    if (is_searched(step)) searched_[id].before = sculpture_.snapshot();
     program_line_ = step.motion.line;
     result = apply_or_join(step, tiles);
     program_line_ = 0;
@@ -129,12 +151,14 @@ std::expected<std::optional<CarvedMotion>, Rejection> Carving::move(const Progra
   const MotionResult& done = **result;
   show_step(step, done);
   CarvedMotion carved = carved_of(step, done);
-  if (step.target == nullptr || done.cut_tiles.empty()) return carved;
-  Searched& search = searched_[id];
-  search.carved = std::move(carved);
-  search.check.emplace(*step.target, *std::move(search.before), sculpture_.snapshot(),
-                       done.cut_tiles);
-  search.before.reset();
+  const auto search = searched_.find(id);
+  if (search == searched_.end()) return carved;
+  if (done.cut_tiles.empty()) {
+    searched_.erase(search);
+    return carved;
+  }
+  search->second.carved = std::move(carved);
+  begin_search(step, done, search->second);
   return search_on(id);
 }
 

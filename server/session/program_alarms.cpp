@@ -3,21 +3,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
 
 namespace kerf {
-namespace {
-
-/// Removed volumes below this, mm^3, are rounding on a surface that was cut before.
-constexpr double kNothingRemovedMm3 = 1e-6;
-
-}  // namespace
-
-double AlarmLimits::film_mm3(double tool_radius_mm) const {
-  return std::max(kNothingRemovedMm3,
-                  tolerance_mm * std::numbers::pi * tool_radius_mm * tool_radius_mm);
-}
-
 const char* to_string(AlarmKind kind) {
   switch (kind) {
     case AlarmKind::kRapid:
@@ -36,13 +23,16 @@ const char* to_string(AlarmKind kind) {
 
 void ProgramAlarms::follow(const ProgramMotion& motion, const CarvedMotion& carved) {
   constexpr double kAny = std::numeric_limits<double>::infinity();
-  note(AlarmKind::kRapid, motion, motion.rapid ? carved.removed_mm3 : 0, carved.film_mm3);
-  note(AlarmKind::kShank, motion, carved.stock_contact_mm, limits_.tolerance_mm);
-  note(AlarmKind::kObstacle, motion, carved.collision_n, 0);
-  note(AlarmKind::kForce, motion, carved.cutting_n, limits_.force_n.value_or(kAny));
+  const auto follow_one = [&](AlarmKind kind, double amount, double limit, Vec3 at_mm = {}) {
+    note(kind, motion, carved.removed_mm3, amount, limit, at_mm);
+  };
+  follow_one(AlarmKind::kRapid, motion.rapid ? carved.depth_mm : 0, limits_.tolerance_mm);
+  follow_one(AlarmKind::kShank, carved.stock_contact_mm, limits_.tolerance_mm);
+  follow_one(AlarmKind::kObstacle, carved.collision_n, 0);
+  follow_one(AlarmKind::kForce, carved.cutting_n, limits_.force_n.value_or(kAny));
   // The check only reports gouges deeper than the part's tolerance.
   const Gouge gouge = carved.gouge.value_or(Gouge());
-  note(AlarmKind::kGouge, motion, gouge.depth_mm, limits_.gouge_mm, gouge.at_mm);
+  follow_one(AlarmKind::kGouge, gouge.depth_mm, limits_.gouge_mm, gouge.at_mm);
 }
 
 /// Whether an alarm continues across a motion without one.
@@ -52,8 +42,8 @@ bool ProgramAlarms::is_in_gap(AlarmKind kind, const ProgramMotion& motion) {
   return without_gouge_mm_ <= kGougeGapPitches * limits_.pitch_mm;
 }
 
-void ProgramAlarms::note(AlarmKind kind, const ProgramMotion& motion, double amount, double limit,
-                         Vec3 at_mm) {
+void ProgramAlarms::note(AlarmKind kind, const ProgramMotion& motion, double removed_mm3,
+                         double amount, double limit, Vec3 at_mm) {
   Open& open = open_[static_cast<std::size_t>(kind)];
   if (!(amount > limit)) {
     if (!is_in_gap(kind, motion)) open = {};
@@ -77,7 +67,8 @@ void ProgramAlarms::note(AlarmKind kind, const ProgramMotion& motion, double amo
     alarm.tip_mm = motion.to.tip_mm;
     alarm.at_mm = at_mm;
   }
-  alarm.amount = kind == AlarmKind::kRapid ? alarm.amount + amount : open.greatest;
+  alarm.amount = open.greatest;
+  alarm.removed_mm3 += removed_mm3;
 }
 
 }  // namespace kerf

@@ -14,15 +14,15 @@ namespace kerf {
 /// The parts of a motion's MotionResult from which alarms are derived.
 struct CarvedMotion {
   double removed_mm3 = 0;
+  double depth_mm = 0;              ///< depth of the cut (CutDepth); rapids only
   double stock_contact_mm = 0;      ///< maximum depth of shank or holder in the stock
   double cutting_n = 0;             ///< mean cutting force; 0 where forces are not computed
   double collision_n = 0;           ///< maximum push of obstacles; 0 without forces
-  double film_mm3 = 0;              ///< AlarmLimits::film_mm3 of its tool
   std::optional<Gouge> gouge = {};  ///< gouge of the target part
 };
 
 enum class AlarmKind {
-  kRapid,     ///< a rapid removed material; the amount is its volume, mm^3
+  kRapid,     ///< a rapid cut into the stock; the depth, mm
   kShank,     ///< shank or holder entered the stock; the depth, mm
   kObstacle,  ///< the tool was pushed by an obstacle; the force, N
   kForce,     ///< the mean cutting force of a motion was above the limit; the force, N
@@ -37,24 +37,20 @@ struct ProgramAlarm {
   AlarmKind kind = AlarmKind::kRapid;
   std::uint32_t from_line = 0, to_line = 0;
   ToolId tool = 0;
-  double amount = 0;  ///< maximum; sum for kRapid
-  double limit = 0;   ///< the limit that the amount exceeded, in its unit
-  Vec3 tip_mm{};      ///< at the end of the motion with the greatest amount
-  Vec3 at_mm{};       ///< deepest point; kGouge only
+  double amount = 0;       ///< maximum
+  double limit = 0;        ///< the limit that the amount exceeded, in its unit
+  double removed_mm3 = 0;  ///< by all its motions
+  Vec3 tip_mm{};           ///< at the end of the motion with the greatest amount
+  Vec3 at_mm{};            ///< deepest point; kGouge only
 };
 
 /// Thresholds of the alarms.
 struct AlarmLimits {
   std::optional<double> force_n = {};  ///< nullopt: no limit
-  /// The scene's tolerance. Surfaces are only accurate to it, so smaller depths and films mean
-  /// nothing.
+  /// The scene's tolerance. Surfaces are only accurate to it, so smaller depths mean nothing.
   double tolerance_mm = 0;
   double gouge_mm = 0;  ///< allowed depth below the target part
   double pitch_mm = 0;  ///< pitch of the block
-
-  /// Returns the volume, mm^3, that a rapid removes below the whole tool from a surface that is too
-  /// high by the tolerance.
-  double film_mm3(double tool_radius_mm) const;
 };
 
 /// Collects the alarms of a program while it is carved, at a few comparisons a motion. Forces are
@@ -73,8 +69,8 @@ class ProgramAlarms {
   std::size_t count() const { return count_; }
 
  private:
-  void note(AlarmKind kind, const ProgramMotion& motion, double amount, double limit,
-            Vec3 at_mm = {});
+  void note(AlarmKind kind, const ProgramMotion& motion, double removed_mm3, double amount,
+            double limit, Vec3 at_mm = {});
   bool is_in_gap(AlarmKind kind, const ProgramMotion& motion);
 
   struct Open {

@@ -13,7 +13,6 @@ using Json = nlohmann::json;
 const char* unit_of(AlarmKind kind) {
   switch (kind) {
     case AlarmKind::kRapid:
-      return "mm3";
     case AlarmKind::kShank:
     case AlarmKind::kGouge:
       return "mm";
@@ -26,7 +25,7 @@ const char* unit_of(AlarmKind kind) {
 const char* reason_of(AlarmKind kind) {
   switch (kind) {
     case AlarmKind::kRapid:
-      return "a rapid removed more than a film of the scene's tolerance below the whole tool";
+      return "a rapid cut deeper into the stock than the scene's tolerance";
     case AlarmKind::kShank:
       return "shank or holder entered the stock by more than the scene's tolerance";
     case AlarmKind::kObstacle:
@@ -127,6 +126,7 @@ std::string program_json(const ProgramStatus& program) {
                               {"tool", alarm.tool},
                               {"amount", alarm.amount},
                               {"limit", alarm.limit},
+                              {"removed_mm3", alarm.removed_mm3},
                               {"unit", unit_of(alarm.kind)},
                               {"reason", reason_of(alarm.kind)},
                               {"tip_mm", {tip.x, tip.y, tip.z}}});

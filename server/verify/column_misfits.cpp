@@ -4,38 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/verify/column_sets.h"
+
 namespace kerf {
 namespace {
 
 // An interval of a ray is sampled in steps of the distance to the part, but at least this fraction
 // of the pitch.
 constexpr double kStepShare = 0.5;
-
-using Elements = std::vector<Dexel>;
-
-// Stores `whole` minus `taken` in `rest`.
-void subtract(std::span<const Dexel> whole, std::span<const Dexel> taken, Elements& rest) {
-  rest.clear();
-  auto first = taken.begin();
-  for (const Dexel& element : whole) {
-    std::int32_t bottom = element.bottom;
-    while (first != taken.end() && first->top <= bottom) ++first;
-    for (auto at = first; at != taken.end() && at->bottom < element.top; ++at) {
-      if (at->bottom > bottom) rest.push_back({bottom, at->bottom});
-      bottom = std::max(bottom, at->top);
-    }
-    if (bottom < element.top) rest.push_back({bottom, element.top});
-  }
-}
-
-void intersect(std::span<const Dexel> a, std::span<const Dexel> b, Elements& common) {
-  common.clear();
-  for (auto x = a.begin(), y = b.begin(); x != a.end() && y != b.end();) {
-    const Dexel both{std::max(x->bottom, y->bottom), std::min(x->top, y->top)};
-    if (both.bottom < both.top) common.push_back(both);
-    x->top < y->top ? ++x : ++y;
-  }
-}
 
 }  // namespace
 

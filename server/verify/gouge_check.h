@@ -2,12 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "kernel/sculpture_result.h"
+#include "server/verify/changed_rows.h"
 #include "server/verify/column_misfits.h"
 
 namespace kerf {
@@ -41,11 +42,9 @@ class GougeCheck {
   const std::optional<Gouge>& deepest() const { return deepest_; }
 
  private:
-  void measure_row(TileIndex tile, std::int32_t row);
+  void measure(std::int32_t i, std::int32_t j);
 
-  DexelSnapshot before_, after_;
-  std::vector<TileIndex> tiles_;
-  std::size_t next_row_ = 0;  ///< of all rows of all tiles
+  ChangedRows rows_;
   ColumnMisfits columns_;
   std::optional<Gouge> deepest_;
 };

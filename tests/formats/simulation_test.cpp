@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "server/carve/program_cutter.h"
 #include "server/carve/simulation_json.h"
 #include "tests/formats/scene_fixture.h"
 
@@ -49,14 +50,15 @@ Simulated run(const Scene& scene, const std::string& text, const IndexedMesh* re
     EXPECT_TRUE(sculpture.apply(DefineTool{id, tool.tool}).has_value());
   Simulation simulation(scene, run.program, true);
   const DexelSnapshot before = sculpture.snapshot();
-  for (const ProgramMotion& motion : run.program.motions)
-    simulation.follow(motion, sculpture
-                                  .apply(MoveTool{.tool = motion.tool,
-                                                  .from = motion.from,
-                                                  .to = motion.to,
-                                                  .duration_s = motion.duration_s,
-                                                  .feel = false})
-                                  .value());
+  SerialWorkers alone;
+  ProgramCutter cutter(scene, run.program, sculpture, alone, false);
+  for (std::span<const ProgramMotion> left = run.program.motions; !left.empty();) {
+    const std::vector<ProgramCut> cuts = cutter.cut(left, {}).value();
+    for (const ProgramCut& cut : cuts) {
+      simulation.follow(left.front(), cut.result, cut.depth_mm);
+      left = left.subspan(1);
+    }
+  }
   PartFit fit;
   if (reference != nullptr)
     fit = fit_part(before, sculpture.snapshot(), *reference, scene, run.program,
@@ -143,6 +145,7 @@ TEST(Simulation, ReportsRapidsThroughMaterialOncePerLine) {
   const Simulated r = run(block(), "T1 M6\nG0 X-5 Y20 Z-2\nG0 X20\nX45\nM2\n");
   ASSERT_EQ(r.report["rapids_through_stock"].size(), 2u);
   EXPECT_EQ(r.report["rapids_through_stock"][0]["place"], "p.ngc:3");
+  EXPECT_NEAR(double(r.report["rapids_through_stock"][0]["depth_mm"]), 2, 0.2);
   EXPECT_THAT(r.warnings, ElementsAre(HasSubstr("p.ngc:3: rapid"), HasSubstr("p.ngc:4: rapid")));
 }
 

@@ -175,7 +175,18 @@ TEST_F(Verify, RapidThatRemovesAFilmIsNotThroughStock) {
   write_program("G0 Z-2\nG1 Y36\nG0 Z-2.001\nY-6\n");
   EXPECT_THAT(failed(kSlotted, 0), testing::IsEmpty()) << content("out");
   write_program("G0 Z-2\nG1 Y36\nG0 Z-2.02\nY-6\n");
+  EXPECT_THAT(failed(kSlotted, 0), testing::IsEmpty()) << content("out");
+  write_program("G0 Z-2\nG1 Y36\nG0 Z-2.03\nY-6\n");
   EXPECT_EQ(failed(kSlotted, 3).count("rapids through stock"), 1U);
+}
+
+// The tool removes a tenth of a cubic millimeter of an edge, 0.25 mm deep.
+TEST_F(Verify, ASmallDeepCutOfARapidIsThroughStock) {
+  write_program("G0 Z-2\nG1 Y36\nG0 Z5\nX-2.4 Y-2.4\nZ-0.3\nZ5\n");
+  const auto checks = failed(kSlotted + "--tolerance 0.5", 3);
+  ASSERT_EQ(checks.count("rapids through stock"), 1U) << content("out");
+  EXPECT_THAT(std::string(checks.at("rapids through stock")["worst"][0]["what"]),
+              testing::HasSubstr("mm deep, "));
 }
 
 TEST_F(Verify, AShankInTheStockIsACollision) {

@@ -38,19 +38,18 @@ TEST(ProgramAlarms, ConsecutiveMotionsAreOneAlarm) {
   EXPECT_EQ(alarms.list()[1].from_line, 7U);
 }
 
-TEST(ProgramAlarms, OnlyRapidsThatRemoveMoreThanAFilmCount) {
-  const double film_mm3 = AlarmLimits{.tolerance_mm = 0.01}.film_mm3(3);
-  EXPECT_NEAR(film_mm3, 0.2827, 1e-4) << "0.01 mm below a tool of 6 mm";
-  ProgramAlarms alarms;
-  alarms.follow(motion_at(1, 1, true), {.removed_mm3 = 0.28, .film_mm3 = film_mm3});
-  alarms.follow(motion_at(2, 2, false), {.removed_mm3 = 8, .film_mm3 = film_mm3});
+TEST(ProgramAlarms, OnlyRapidsDeeperThanTheToleranceCount) {
+  ProgramAlarms alarms({.tolerance_mm = 0.01});
+  alarms.follow(motion_at(1, 1, true), {.removed_mm3 = 90, .depth_mm = 0.01});
+  alarms.follow(motion_at(2, 2, false), {.removed_mm3 = 8});
   EXPECT_EQ(alarms.count(), 0U);
-  alarms.follow(motion_at(3, 3, true), {.removed_mm3 = 2, .film_mm3 = film_mm3});
-  alarms.follow(motion_at(4, 4, true), {.removed_mm3 = 3, .film_mm3 = film_mm3});
+  alarms.follow(motion_at(3, 3, true), {.removed_mm3 = 2, .depth_mm = 0.02});
+  alarms.follow(motion_at(4, 4, true), {.removed_mm3 = 3, .depth_mm = 0.5});
   ASSERT_EQ(alarms.count(), 1U);
   EXPECT_EQ(alarms.list()[0].kind, AlarmKind::kRapid);
-  EXPECT_EQ(alarms.list()[0].amount, 5);
-  EXPECT_EQ(alarms.list()[0].limit, film_mm3);
+  EXPECT_EQ(alarms.list()[0].amount, 0.5);
+  EXPECT_EQ(alarms.list()[0].limit, 0.01);
+  EXPECT_EQ(alarms.list()[0].removed_mm3, 5);
   EXPECT_EQ(alarms.list()[0].tip_mm.x, 4);
 }
 
@@ -143,14 +142,16 @@ TEST_F(SessionTest, CrashingProgramListsAlarmsWithPositions) {
   EXPECT_EQ(status.alarm_count, 2U);
   EXPECT_EQ(status.alarms[0].kind, AlarmKind::kRapid);
   EXPECT_EQ(status.alarms[0].from_line, 3U);
-  EXPECT_NEAR(status.alarms[0].amount, 6 * 2 * 20 + 3.1416 * 9, 5);  // a slot with a round end
+  EXPECT_NEAR(status.alarms[0].amount, 2, 1e-3);
+  // A slot with a round end.
+  EXPECT_NEAR(status.alarms[0].removed_mm3, 6 * 2 * 20 + 3.1416 * 9, 5);
   EXPECT_EQ(status.alarms[1].kind, AlarmKind::kShank);
   EXPECT_EQ(status.alarms[1].from_line, 6U);
   EXPECT_NEAR(status.alarms[1].amount, 1, 1.01);
   const auto json = nlohmann::json::parse(program_json(status));
   EXPECT_EQ(json.at("alarms").at(1).at("kind"), "shank");
-  EXPECT_EQ(json.at("alarms").at(0).at("unit"), "mm3");
-  EXPECT_NEAR(json.at("alarms").at(0).at("limit"), 0.2827, 1e-4);
+  EXPECT_EQ(json.at("alarms").at(0).at("unit"), "mm");
+  EXPECT_EQ(json.at("alarms").at(0).at("limit"), 0.01);
   EXPECT_EQ(json.at("alarms").at(1).at("limit"), 0.01);
   EXPECT_EQ(json.at("alarm_count"), 2);
 }

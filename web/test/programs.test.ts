@@ -157,13 +157,13 @@ describe('the sentences', () => {
       fromLine: 14,
       toLine: 18,
       tool: 1,
-      amount: 12.34,
-      limit: 0.2827,
-      unit: 'mm3',
+      amount: 1.234,
+      limit: 0.025,
+      unit: 'mm',
       place: [1, -2.04, 0] as [number, number, number],
     };
     expect(alarmText(alarm)).toBe(
-      'Rapid move through material, 12.3 mm³, limit 0.283: lines 14–18, at X 1.0 Y -2.0 Z 0.0',
+      'Rapid move through material, 1.23 mm, limit 0.025: lines 14–18, at X 1.0 Y -2.0 Z 0.0',
     );
     expect(alarmText({ ...alarm, toLine: 14 })).toContain(': line 14,');
   });

@@ -58,7 +58,7 @@ function program(id: number, more: Json = {}): Json {
 }
 
 function alarm(amount: number, toLine: number): Json {
-  const place = { tool: 1, unit: 'mm3', tip_mm: [1, 2, 3] };
+  const place = { tool: 1, unit: 'mm', tip_mm: [1, 2, 3] };
   return { kind: 'rapid', from_line: 14, to_line: toLine, amount, ...place };
 }
 
@@ -191,7 +191,7 @@ describe('the panel of programs', () => {
     server.alarms = [alarm(1, 14)];
     await open(program(3, { alarm_count: 1 }));
     const [button] = alarms();
-    expect(button!.textContent).toContain('1 mm³: line 14,');
+    expect(button!.textContent).toContain('1 mm: line 14,');
     server.asked.length = 0;
     for (let n = 1; n <= 20; n += 1) {
       server.alarms = [alarm(1 + n, 14 + n)];
@@ -201,14 +201,14 @@ describe('the panel of programs', () => {
     }
     expect(server.asked.length).toBeGreaterThan(3);
     expect(server.asked.length).toBeLessThan(7);
-    expect(button!.textContent).toMatch(/(18|19|20|21) mm³/);
+    expect(button!.textContent).toMatch(/(18|19|20|21) mm/);
     server.alarms = [alarm(40, 99)];
     server.programs = [program(3, { alarm_count: 1, motions_done: 100, state: 'finished' })];
     server.push();
     await wait(1500);
     expect(alarms()).toHaveLength(1);
     expect(alarms()[0]).toBe(button);
-    expect(button!.textContent).toContain('40 mm³: lines 14–99,');
+    expect(button!.textContent).toContain('40 mm: lines 14–99,');
     server.asked.length = 0;
     server.push();
     await wait(5000);
@@ -226,7 +226,7 @@ describe('the panel of programs', () => {
     rows()[1]!.click();
     await wait(500);
     expect(alarms().map(({ textContent }) => textContent)).toEqual([
-      expect.stringContaining('7 mm³: lines 14–50,'),
+      expect.stringContaining('7 mm: lines 14–50,'),
     ]);
   });
 

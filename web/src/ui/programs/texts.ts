@@ -54,7 +54,6 @@ const ALARMS: Record<string, string> = {
   force: t('Force above the limit'),
   gouge: t('Gouge into the part'),
 };
-const UNITS: Record<string, string> = { mm3: 'mm³' };
 
 export function alarmText(alarm: Alarm): string {
   const lines =
@@ -62,11 +61,10 @@ export function alarmText(alarm: Alarm): string {
       ? t('line {0}', alarm.fromLine)
       : t('lines {0}–{1}', alarm.fromLine, alarm.toLine);
   const what = ALARMS[alarm.kind] ?? alarm.kind;
-  const unit = UNITS[alarm.unit] ?? alarm.unit;
   const amount =
     alarm.limit > 0
-      ? t('{0} {1}, limit {2}', figure(alarm.amount), unit, figure(alarm.limit))
-      : `${figure(alarm.amount)} ${unit}`;
+      ? t('{0} {1}, limit {2}', figure(alarm.amount), alarm.unit, figure(alarm.limit))
+      : `${figure(alarm.amount)} ${alarm.unit}`;
   const [x, y, z] = alarm.place.map((value) => value.toFixed(1)) as [string, string, string];
   return t('{0}, {1}: {2}, at X {3} Y {4} Z {5}', what, amount, lines, x, y, z);
 }
