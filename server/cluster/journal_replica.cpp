@@ -108,16 +108,22 @@ bool JournalReplica::copy(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     if (!has_begun_ && !begin()) return false;
     if (!change_) {
+      const std::uint64_t commits = source_.commits();
       auto next = changes_.next();
       if (!next) return fail(describe(next.error()));
       state_.fault.clear();
-      if (!*next) return true;
+      if (!*next) {
+        state_.commits = commits;
+        return true;
+      }
       change_ = **std::move(next);
+      change_commits_ = change_->is_whole ? commits : state_.commits;
       ++change_number_;
       next_part_ = 0;
     }
     if (!send()) return false;
     state_.record = changes_.position().record;
+    state_.commits = change_commits_;
     show();
   }
   return true;
@@ -140,7 +146,7 @@ bool JournalReplica::begin() {
   } else {
     change_.reset();
     (void)changes_.begin({});
-    state_.record = 0;
+    state_.record = state_.commits = 0;
   }
   has_begun_ = true;
   state_.fault.clear();
@@ -174,6 +180,7 @@ bool JournalReplica::continue_after(const Frame& last) {
         source_.session);
   }
   state_.record = head.position().record;
+  state_.commits = 0;
   return true;
 }
 

@@ -31,6 +31,8 @@ class JournalReplica {
     std::string session;
     std::filesystem::path journal;
     std::uint32_t epoch = 1;
+    /// Returns the number of commits of the journal so far. Called on the replica's thread.
+    std::function<std::uint64_t()> commits = [] { return std::uint64_t{0}; };
   };
   /// `report` is called on the replica's thread when the state of the copy has changed.
   JournalReplica(NatsConnection& nats, Source source, int replicas,
@@ -72,6 +74,7 @@ class JournalReplica {
   std::uint64_t last_message_ = 0;       ///< number of the stream's last message
   std::optional<JournalChange> change_;  ///< being sent
   std::uint64_t change_number_ = 0;
+  std::uint64_t change_commits_ = 0;  ///< commits that are copied with it, and before
   std::uint32_t next_part_ = 0;
   CopyState state_ = kNoCopyYet, shown_ = kNoCopyYet;
 

@@ -67,12 +67,17 @@ struct Replication::Impl {
     const auto report = [weak = std::weak_ptr(session)](const CopyState& state) {
       if (const auto open = weak.lock()) open->copy().set(state);
     };
+    const auto count = [weak = std::weak_ptr(session)] {
+      const auto open = weak.lock();
+      return open ? open->journal_figures().commits : 0;
+    };
     session->copy().set(kNoCopyYet);
-    copies.push_back(
-        {session->id(), session, commits,
-         std::make_unique<JournalReplica>(
-             nats, JournalReplica::Source{session->id(), session->journal_file(), session->epoch()},
-             replicas, report)});
+    copies.push_back({session->id(), session, commits,
+                      std::make_unique<JournalReplica>(
+                          nats,
+                          JournalReplica::Source{session->id(), session->journal_file(),
+                                                 session->epoch(), count},
+                          replicas, report)});
   }
 
   NatsConnection nats;

@@ -76,8 +76,8 @@ ApiResponse error_response(unsigned status, std::string_view code, std::string_v
 ApiResponse error_response(const Error& error);
 /// The response after an exception: 503 if memory was short, else 500.
 ApiResponse exception_response(const std::exception& error);
-/// Blocks until everything recorded is committed, so that a 2xx answer means durable. Returns a 503
-/// if the disk fails, else nullopt.
+/// Blocks until everything recorded is durable (SessionJournal::flush_and_copy), so that a 2xx
+/// answer means durable. Returns a 503 if the disk or the copy fails, else nullopt.
 std::optional<ApiResponse> flush_failure(Session& session);
 /// Returns the response to a request that a session has rejected. `otherwise` is the status of
 /// errors whose status depends on the request.

@@ -117,8 +117,11 @@ ApiResponse Api::change_strokes(const ApiCall& call, bool undone) {
                  {"sequence", changed->sequence},
                  {"tiles", changed->tiles},
                  {"returned_mm3", changed->returned_mm3}};
-  if (changed->pending) answer["pending"] = *changed->pending;
-  return json_response(changed->pending ? 202 : 200, answer.dump());
+  std::optional<std::string> pending = changed->pending;
+  if (const auto durable = call.session->flush_and_copy(); !durable && !pending)
+    pending = describe(durable.error());
+  if (pending) answer["pending"] = *pending;
+  return json_response(pending ? 202 : 200, answer.dump());
 }
 
 }  // namespace kerf::net

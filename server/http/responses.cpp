@@ -64,7 +64,7 @@ ApiResponse exception_response(const std::exception& error) {
 }
 
 std::optional<ApiResponse> flush_failure(Session& session) {
-  if (const auto flushed = session.flush(); !flushed) {
+  if (const auto flushed = session.flush_and_copy(); !flushed) {
     return error_response(503, "busy", describe(flushed.error()));
   }
   return std::nullopt;

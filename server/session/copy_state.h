@@ -2,11 +2,14 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
+
+#include "server/platform/clock.h"
 
 namespace kerf {
 
@@ -14,6 +17,9 @@ namespace kerf {
 struct CopyState {
   std::uint64_t record = 0;  ///< last record whose copy was acknowledged
   std::string fault;         ///< why nothing is copied, as one sentence; else empty
+  /// Commits of the journal (JournalFigures) whose copies were acknowledged, with everything in
+  /// them.
+  std::uint64_t commits = 0;
   friend bool operator==(const CopyState&, const CopyState&) = default;
 };
 
@@ -21,9 +27,12 @@ struct CopyState {
 class CopyNote {
  public:
   void set(CopyState state) {
-    const std::lock_guard lock(mutex_);
-    record_ = state.record;
-    state_ = std::move(state);
+    {
+      const std::lock_guard lock(mutex_);
+      record_ = state.record;
+      state_ = std::move(state);
+    }
+    changed_.notify_all();
   }
   std::optional<CopyState> get() const {
     const std::lock_guard lock(mutex_);
@@ -31,12 +40,18 @@ class CopyNote {
   }
   /// CopyState::record; 0 if no copy is made. Does not block.
   std::uint64_t record() const { return record_; }
+  /// Blocks until this many commits are copied, or until `end`. Returns whether they are.
+  bool wait_for(std::uint64_t commits, Clock::time_point end) const {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_until(lock, end, [&] { return state_ && state_->commits >= commits; });
+  }
   /// Last record of the newest snapshot that was copied; 0 if none was.
   void set_snapshot(std::uint64_t record) { snapshot_ = record; }
   std::uint64_t snapshot() const { return snapshot_; }
 
  private:
   mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
   std::optional<CopyState> state_;
   std::atomic<std::uint64_t> record_ = 0, snapshot_ = 0;
 };

@@ -72,6 +72,8 @@ class Session : public std::enable_shared_from_this<Session> {
   const DexelGrid& grid() const { return sculpture_.grid(); }
   /// Blocks until all motions applied before the call are in the journal file.
   std::expected<void, JournalError> flush() { return journal_.flush(); }
+  /// SessionJournal::flush_and_copy.
+  std::expected<void, JournalError> flush_and_copy() { return journal_.flush_and_copy(); }
   /// Commits and closes the journal. With `with_snapshot`, writes a last snapshot if that saves
   /// time at the next start. Call once, after close(). Afterwards no snapshot is written.
   std::expected<void, JournalError> finish_journal(bool with_snapshot = false);
@@ -110,7 +112,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// outlive the session. Call once, when the session has been created.
   void carve_on(Workers& carvers) { carvers_ = &carvers; }
   /// Sets the servers that may continue the session; they must outlive it. With `needs_copy`,
-  /// samples are durable only once they are copied. Call once, when the session has been created.
+  /// samples and changes are durable only once they are copied. Call once, when the session has
+  /// been created.
   void place_in(const SessionPlaces* places, bool needs_copy) {
     places_ = places;
     if (needs_copy) journal_.require_copy();

@@ -67,6 +67,17 @@ void SessionJournal::append_removal(const Participant& participant) {
   writer_->append(removed);
 }
 
+std::expected<void, JournalError> SessionJournal::flush_and_copy() {
+  if (auto flushed = flush(); !flushed || !writer_ || !needs_copy_) return flushed;
+  if (copy_->wait_for(writer_->figures().commits, Clock::now() + kCopyPatience)) return {};
+  const auto state = copy_->get();
+  const std::string fault = state && !state->fault.empty() ? state->fault : "NATS does not keep up";
+  return std::unexpected(JournalError{
+      JournalErrorCode::kNotCopied, file().string(), 0,
+      "the change is stored on this server, but not yet on another one: " + fault +
+          "; it may be lost with this server, so look whether it is there before repeating it"});
+}
+
 std::optional<StateHash> SessionJournal::current_hash() const {
   // Records after the last removal did not change the solid.
   if (!hash_ || hash_->sequence < removal_sequence_) return std::nullopt;

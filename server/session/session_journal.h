@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <expected>
@@ -19,6 +20,9 @@
 #include "server/store/journal_writer.h"
 
 namespace kerf {
+
+/// Maximum time that a request waits for the copy of its change.
+inline constexpr std::chrono::seconds kCopyPatience{3};
 
 /// The journal of a session that another server runs: a copy that the cluster code extends.
 struct FollowedJournal {
@@ -73,6 +77,10 @@ class SessionJournal {
   std::expected<void, JournalError> flush() {
     return writer_ ? writer_->flush() : std::expected<void, JournalError>();
   }
+  /// Blocks until everything appended before the call is committed and, after require_copy(),
+  /// copied: it then survives the loss of this machine. Fails with kNotCopied if the copy is not
+  /// acknowledged within kCopyPatience.
+  std::expected<void, JournalError> flush_and_copy();
   /// The known damage of the file.
   JournalHealth& health() const { return *health_; }
   /// Commits and closes the file; later appends fail. Call once.

@@ -17,6 +17,7 @@ enum class JournalErrorCode {
   kSessionLimit,    ///< the session's files have reached their limit
   kDiskLimit,       ///< the files of all sessions have reached their limit
   kLease,           ///< another server may own the session: this one's lease has expired
+  kNotCopied,       ///< the records are committed, but their copy is not acknowledged yet
   kNotLoaded        ///< the session cannot be loaded for another reason, e.g. lack of memory
 };
 

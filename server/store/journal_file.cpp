@@ -101,6 +101,8 @@ const char* to_string(JournalErrorCode code) {
       return "disk_limit";
     case JournalErrorCode::kLease:
       return "no_lease";
+    case JournalErrorCode::kNotCopied:
+      return "not_copied";
     case JournalErrorCode::kNotLoaded:
       return "journal_not_loaded";
   }

@@ -50,6 +50,32 @@ TEST_F(Takeovers, OfSeveralServersOneTakesASessionEachTime) {
             "");
 }
 
+/// Once a request is answered, its change survives the loss of the server that answered.
+TEST_F(Takeovers, AnAnsweredChangeIsAtTheServerThatContinues) {
+  const std::string pins = "/v1/sessions/block/pins";
+  EXPECT_EQ(faults_of([&](Cluster& servers) {
+              servers.start("a");
+              servers.create("a");
+              servers.wait_for_copy("a");
+              servers.start("b");
+              const auto set = [&](const std::string& text) {
+                return servers.ask("a", "POST",
+                                   pins + "?text=" + text + "&at_mm=0,0,0&normal=0,0,1");
+              };
+              EXPECT_EQ(set("kept").status, 201);
+              NatsModel::instance().cut_off(&servers.at("a").machine());
+              const auto answer = set("lost");
+              EXPECT_EQ(answer.status, 503);
+              EXPECT_TRUE(answer.body.contains("not yet on another one")) << answer.body;
+              servers.kill("a");
+              EXPECT_EQ(servers.wait_for_owner(), "b");
+              const Json left = Json::parse(servers.ask("b", "GET", pins).body).at("pins");
+              ASSERT_EQ(left.size(), 1U);
+              EXPECT_EQ(left.at(0).at("text"), "kept");
+            }),
+            "");
+}
+
 /// NATS tells the former owner of its successor only after it has read what its agent has sent.
 TEST_F(Takeovers, AStoppedOwnerThatIsContinuedChangesNothingBeforeItKnows) {
   EXPECT_EQ(
