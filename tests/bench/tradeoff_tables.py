@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Regenerates the tables and plots of server/carve/tradeoff.
+"""Regenerates the CSV files, the plots and the table of server/carve/tradeoff.
 
     tests/bench/tradeoff_tables.py [--build build/release] [--linuxcnc build/linuxcnc]
                                    [--seconds 60] [--only NAME]...
@@ -40,17 +40,6 @@ JOBS = [
     ("impeller", "`impeller-7bl-xyzac.ngc`, 5-axis", "impeller", "impeller-7bl-xyzac.ngc",
      "0.8,0.4,0.2,0.1", "0.1,0.01,0.001"),
 ]
-COLUMNS = [("rays", lambda r: r["rays"]), ("motion", lambda r: r["motion"]),
-           ("pitch", lambda r: number(r["pitch_mm"], 4)),
-           ("tolerance", lambda r: number(r["tolerance_mm"], 3)),
-           ("surface max", lambda r: f"{float(r['surface_max_mm']):.4f}"),
-           ("force", lambda r: number(r["force_error"], 2)),
-           ("µs/motion", lambda r: f"{float(r['us_per_motion']):.1f}"),
-           ("MB", lambda r: f"{float(r['bytes']) * 1e-6:.2f}")]
-
-
-def number(text, digits):
-    return f"{float(text):.{digits}g}" if text else "–"
 
 
 def find(folder, name):
@@ -90,19 +79,13 @@ def run(job, options, folder):
     print(f"{name}: done", flush=True)
 
 
-def table(job):
-    """The Pareto front of time and surface error. The CSV has every configuration."""
+def table_row(job):
+    """The row of a job in the README. The CSV has every configuration."""
     name, title = job[:2]
     with open(TABLES / f"{name}.csv") as file:
         rows = list(csv.DictReader(file))
-    lines = [f"## {title}", "", f"[plot]({name}.svg) · [CSV]({name}.csv)", "",
-             "| " + " | ".join(head for head, _ in COLUMNS) + " |", "|---" * len(COLUMNS) + "|"]
-    lines += ["| " + " | ".join(cell(row) for _, cell in COLUMNS) + " |" for row in rows
-              if row["front"] == "1" and not row["skipped"]]
-    skipped = [row for row in rows if row["skipped"]]
-    if skipped:
-        lines += ["", f"{len(skipped)} of {len(rows)} configurations would have exceeded the budget."]
-    return "\n".join(lines) + "\n"
+    skipped = sum(1 for row in rows if row["skipped"])
+    return f"| {title} | [plot]({name}.svg), [CSV]({name}.csv) | {skipped} of {len(rows)} |\n"
 
 
 def main():
@@ -117,10 +100,10 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         with concurrent.futures.ThreadPoolExecutor(max_workers=min(2, os.cpu_count())) as pool:
             list(pool.map(lambda job: run(job, options, pathlib.Path(folder)), jobs))
-    tables = "\n".join(table(job) for job in JOBS if (TABLES / f"{job[0]}.csv").exists())
+    rows = "".join(table_row(job) for job in JOBS if (TABLES / f"{job[0]}.csv").exists())
     readme = TABLES / "README.md"
-    head = readme.read_text().split("\n## ")[0].rstrip()
-    readme.write_text(head + "\n\n" + tables)
+    head = readme.read_text().split("\n|")[0].rstrip()
+    readme.write_text(head + "\n\n| job | results | over the budget |\n|---|---|---|\n" + rows)
 
 
 if __name__ == "__main__":
