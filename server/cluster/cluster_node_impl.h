@@ -47,6 +47,9 @@ struct ClusterNode::Impl {
   void take_all(const std::stop_token& stop);
   std::optional<std::string> next_to_take();
   void take(const std::string& id);
+  std::optional<std::uint32_t> take_lease(const std::string& id, const SeenLease& seen,
+                                          std::uint32_t epoch_of_copy);
+  void leave(const std::string& id, const SeenLease& seen);
   void note_not_taken(const std::string& id, const SeenLease& seen, const LeaseError& error);
   bool open(const std::string& id);
   void find_local();

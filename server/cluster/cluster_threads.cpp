@@ -3,6 +3,7 @@
 // leases of lost servers.
 #include <algorithm>
 #include <condition_variable>
+#include <filesystem>
 #include <system_error>
 
 #include "server/cluster/cluster_node_impl.h"
@@ -200,6 +201,43 @@ void ClusterNode::Impl::note_not_taken(const std::string& id, const SeenLease& s
   due_ns.erase(id);
 }
 
+/// Takes the lease in the next epoch, which it returns; nullopt if another server is faster.
+std::optional<std::uint32_t> ClusterNode::Impl::take_lease(const std::string& id,
+                                                           const SeenLease& seen,
+                                                           std::uint32_t epoch_of_copy) {
+  Lease lease = seen.lease;
+  lease.state = LeaseState::kHeld;
+  lease.node = node;
+  lease.run = run;
+  lease.address = address;
+  lease.to.clear();
+  lease.epoch = std::max(seen.lease.epoch, epoch_of_copy) + 1;
+  lease.time = lease_time;
+  if (const auto taken = own.take(id, lease, seen.revision); !taken) {
+    note_not_taken(id, seen, taken.error());
+    return std::nullopt;
+  }
+  return lease.epoch;
+}
+
+/// A session without a copy is only in the journal of the server that had its lease last. No other
+/// server takes the lease, so that its owner stays known. If this server had it and has no journal,
+/// the session was never started, because the answer to its claim was lost: it is ended.
+void ClusterNode::Impl::leave(const std::string& id, const SeenLease& seen) {
+  if (seen.lease.node == node) {
+    if (registry->is_reserved(id) || !take_lease(id, seen, 0)) return;
+    own.give_back(id, LeaseState::kClosed, {});
+    return log::warn("session " + id + ": it has ended, because it was never started");
+  }
+  const std::lock_guard lock(mutex);
+  const bool is_new = !again_ns.contains(id);
+  again_ns[id] = Clock::boot_ns() + kRetryNs;
+  if (is_new) {
+    log::warn("session " + id + ": it is not copied, so only server " + seen.lease.node +
+              " can continue it");
+  }
+}
+
 /// Takes a lease and opens its session, unless another server is faster.
 void ClusterNode::Impl::take(const std::string& id) {
   SeenLease seen;
@@ -209,20 +247,15 @@ void ClusterNode::Impl::take(const std::string& id) {
   }
   const auto epoch = epoch_of_copy(nats, id);
   if (!epoch) return log_failure(id, epoch.error());
-  Lease lease = seen.lease;
-  lease.state = LeaseState::kHeld;
-  lease.node = node;
-  lease.run = run;
-  lease.address = address;
-  lease.to.clear();
-  lease.epoch = std::max(seen.lease.epoch, *epoch) + 1;
-  lease.time = lease_time;
-  if (const auto taken = own.take(id, lease, seen.revision); !taken) {
-    return note_not_taken(id, seen, taken.error());
+  std::error_code ignored;
+  if (*epoch == 0 && !std::filesystem::exists(registry->journal_path(id), ignored)) {
+    return leave(id, seen);
   }
+  const auto taken = take_lease(id, seen, *epoch);
+  if (!taken) return;
   log::info("session " + id + ": taken over" +
             (seen.lease.node.empty() ? "" : " from " + seen.lease.node) + ", epoch " +
-            std::to_string(lease.epoch));
+            std::to_string(*taken));
   registry->expect(id);
   const bool is_open = open(id);
   registry->give_up(id);

@@ -117,7 +117,7 @@ bool JournalReplica::copy(const std::stop_token& stop) {
         return true;
       }
       change_ = **std::move(next);
-      change_commits_ = change_->is_whole ? commits : state_.commits;
+      change_commits_ = change_->is_whole ? std::optional(commits) : state_.commits;
       ++change_number_;
       next_part_ = 0;
     }
@@ -146,7 +146,8 @@ bool JournalReplica::begin() {
   } else {
     change_.reset();
     (void)changes_.begin({});
-    state_.record = state_.commits = 0;
+    state_.record = 0;
+    state_.commits.reset();
   }
   has_begun_ = true;
   state_.fault.clear();
@@ -180,7 +181,7 @@ bool JournalReplica::continue_after(const Frame& last) {
         source_.session);
   }
   state_.record = head.position().record;
-  state_.commits = 0;
+  state_.commits.reset();
   return true;
 }
 

@@ -74,7 +74,7 @@ class JournalReplica {
   std::uint64_t last_message_ = 0;       ///< number of the stream's last message
   std::optional<JournalChange> change_;  ///< being sent
   std::uint64_t change_number_ = 0;
-  std::uint64_t change_commits_ = 0;  ///< commits that are copied with it, and before
+  std::optional<std::uint64_t> change_commits_;  ///< CopyState::commits once it is sent
   std::uint32_t next_part_ = 0;
   CopyState state_ = kNoCopyYet, shown_ = kNoCopyYet;
 

@@ -224,6 +224,7 @@ ApiResponse Api::create_session(const ApiCall& call) {
   }
   const auto created = registry_.create(id, call.request.body, source);
   if (!created) return registry_failure(created.error());
+  if (auto failure = flush_failure(**created)) return *std::move(failure);
   return created_response(**created);
 }
 
@@ -253,6 +254,7 @@ ApiResponse Api::create_branch(const ApiCall& call, const std::string& id) {
   if (!record) return record.error();
   const auto created = registry_.branch(id, *parent, *record);
   if (!created) return registry_failure(created.error());
+  if (auto failure = flush_failure(**created)) return *std::move(failure);
   return created_response(**created);
 }
 
@@ -288,6 +290,7 @@ ApiResponse Api::reopen_session(const ApiCall& call) {
   LoadReport report;
   const auto reopened = registry_.reopen(call.captured, report);
   if (!reopened) return registry_failure(reopened.error());
+  if (auto failure = flush_failure(**reopened)) return *std::move(failure);
   const std::string url = "/v1/sessions/" + (*reopened)->id();
   const bool recarved = !report.recarved.empty();
   auto response = json_response(

@@ -17,9 +17,9 @@ namespace kerf {
 struct CopyState {
   std::uint64_t record = 0;  ///< last record whose copy was acknowledged
   std::string fault;         ///< why nothing is copied, as one sentence; else empty
-  /// Commits of the journal (JournalFigures) whose copies were acknowledged, with everything in
-  /// them.
-  std::uint64_t commits = 0;
+  /// Commits since the journal was opened (JournalFigures) that are copied entirely, with all
+  /// earlier ones; nullopt while the copy is behind the journal as it was opened.
+  std::optional<std::uint64_t> commits = {};
   friend bool operator==(const CopyState&, const CopyState&) = default;
 };
 
@@ -43,7 +43,8 @@ class CopyNote {
   /// Blocks until this many commits are copied, or until `end`. Returns whether they are.
   bool wait_for(std::uint64_t commits, Clock::time_point end) const {
     std::unique_lock lock(mutex_);
-    return changed_.wait_until(lock, end, [&] { return state_ && state_->commits >= commits; });
+    return changed_.wait_until(
+        lock, end, [&] { return state_ && state_->commits && *state_->commits >= commits; });
   }
   /// Last record of the newest snapshot that was copied; 0 if none was.
   void set_snapshot(std::uint64_t record) { snapshot_ = record; }

@@ -152,6 +152,12 @@ void SessionRegistry::expect(const std::string& id) {
   loading_.insert(id);
 }
 
+bool SessionRegistry::is_reserved(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = sessions_.find(id);
+  return loading_.contains(id) || (found != sessions_.end() && !found->second);
+}
+
 void SessionRegistry::give_up(const std::string& id) {
   const std::lock_guard lock(mutex_);
   loading_.erase(id);

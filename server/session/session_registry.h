@@ -162,6 +162,8 @@ class SessionRegistry {
   /// Announces a session that will be opened or given up: requests for it wait until then.
   void expect(const std::string& id);
   void give_up(const std::string& id);
+  /// Whether a session with this id is being created or opened.
+  bool is_reserved(const std::string& id) const;
   /// Opens an expected session from its journal in the data folder and adds the outcome to
   /// `report`.
   void open(const std::string& id, LoadReport& report);
