@@ -50,6 +50,7 @@ struct ClusterNode::Impl {
   std::optional<std::uint32_t> take_lease(const std::string& id, const SeenLease& seen,
                                           std::uint32_t epoch_of_copy);
   void leave(const std::string& id, const SeenLease& seen);
+  void end_former(const std::string& id);
   void note_not_taken(const std::string& id, const SeenLease& seen, const LeaseError& error);
   bool open(const std::string& id);
   void find_local();
@@ -77,6 +78,7 @@ struct ClusterNode::Impl {
   std::set<std::string> local;  ///< journals of the data folder at the start
   bool holds = false;
   std::map<std::string, std::int64_t> lost;  ///< sessions to end, and since when
+  std::set<std::string> ending;              ///< sessions that a thread is ending
   std::mt19937_64 chance{random_number()};
   /// Both exist between start() and hold(), the first one on request.
   std::unique_ptr<Followers> followers;

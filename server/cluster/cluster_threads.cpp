@@ -174,7 +174,7 @@ std::optional<std::string> ClusterNode::Impl::next_to_take() {
   for (const std::string& id : free) {
     const auto again = again_ns.find(id);
     const bool has_failed = again != again_ns.end() && now < again->second;
-    if (taking.contains(id) || has_failed || own.find(id)) continue;
+    if (taking.contains(id) || ending.contains(id) || has_failed || own.find(id)) continue;
     const bool is_ready = followers && followers->is_following(id);
     const auto spread = is_ready
                             ? 0
@@ -238,6 +238,16 @@ void ClusterNode::Impl::leave(const std::string& id, const SeenLease& seen) {
   }
 }
 
+/// Ends the session that this server has run until it lost the lease which it has taken again: only
+/// one session may write a journal.
+void ClusterNode::Impl::end_former(const std::string& id) {
+  {
+    const std::lock_guard lock(mutex);
+    lost.erase(id);
+  }
+  registry->hand_over(id, "this server had lost the session's lease, and continues it now", "");
+}
+
 /// Takes a lease and opens its session, unless another server is faster.
 void ClusterNode::Impl::take(const std::string& id) {
   SeenLease seen;
@@ -256,6 +266,7 @@ void ClusterNode::Impl::take(const std::string& id) {
   log::info("session " + id + ": taken over" +
             (seen.lease.node.empty() ? "" : " from " + seen.lease.node) + ", epoch " +
             std::to_string(*taken));
+  end_former(id);
   registry->expect(id);
   const bool is_open = open(id);
   registry->give_up(id);
@@ -295,16 +306,20 @@ void ClusterNode::Impl::hand_over_lost() {
     const std::int64_t now = Clock::boot_ns();
     std::erase_if(lost, [&](const auto& session) {
       const auto& [id, since] = session;
+      if (taking.contains(id)) return false;  // end_former() ends it,
+      if (own.find(id)) return true;          // and has ended this one
       const auto at = table.address_of(id, now);
       if (!at && now - since < kSilenceNs) return false;  // the watch will report it
       ended.emplace(id, at.value_or(""));
+      ending.insert(id);
       return true;
     });
   }
   for (const auto& [id, at] : ended) {
-    if (own.find(id)) continue;  // taken again since
     log::warn("session " + id + ": another server continues it" + (at.empty() ? "" : ": " + at));
     registry->hand_over(id, "another server continues the session", at);
+    const std::lock_guard lock(mutex);
+    ending.erase(id);
   }
 }
 

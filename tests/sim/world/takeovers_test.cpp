@@ -76,6 +76,32 @@ TEST_F(Takeovers, AnAnsweredChangeIsAtTheServerThatContinues) {
             "");
 }
 
+/// A NATS that has lost messages names the former owner, which has stopped. The server that has
+/// continued the session takes it again, and ends its former session first: two would write one
+/// journal, and hands at the former one would wait for ever.
+TEST_F(Takeovers, AServerThatTakesItsOwnSessionAgainEndsTheFormerOne) {
+  EXPECT_EQ(faults_of([](Cluster& servers) {
+              servers.start("b");
+              servers.create("b");
+              servers.carve("b");
+              servers.wait_for_copy("b");
+              servers.stop("b");
+              const NatsStore old = NatsModel::instance().store();
+              servers.start("a");
+              EXPECT_EQ(servers.wait_for_owner(), "a");
+              servers.begin_carving("a", 6 * kSecond);
+              sleep_until(now() + kSecond);
+              NatsModel::instance().stop();
+              NatsModel::instance().set_store(old);
+              NatsModel::instance().start();
+              servers.finish_carving();
+              EXPECT_EQ(servers.wait_for_owner(), "a");
+              EXPECT_GE(servers.info("a").at("epoch"), 4);
+              servers.check_journal("a");
+            }),
+            "");
+}
+
 /// NATS tells the former owner of its successor only after it has read what its agent has sent.
 TEST_F(Takeovers, AStoppedOwnerThatIsContinuedChangesNothingBeforeItKnows) {
   EXPECT_EQ(
