@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "server/cluster/lease.h"
 #include "server/cluster/snapshot_copy.h"
 #include "tests/sim/nats/nats_model.h"
 #include "tests/sim/world/cluster.h"
@@ -72,6 +73,38 @@ TEST_F(Takeovers, AnAnsweredChangeIsAtTheServerThatContinues) {
               const Json left = Json::parse(servers.ask("b", "GET", pins).body).at("pins");
               ASSERT_EQ(left.size(), 1U);
               EXPECT_EQ(left.at(0).at("text"), "kept");
+            }),
+            "");
+}
+
+/// The claim of a session is stored at NATS, but its server fails before it starts the session.
+TEST_F(Takeovers, ASessionThatWasNeverStartedIsEndedByTheServerThatClaimedIt) {
+  const auto lease_of_ghost = [] {
+    const auto last =
+        NatsConnection::open("", "test")->last_message(kClusterStream, lease_subject("ghost"));
+    return decode_lease((*last)->bytes).value();
+  };
+  EXPECT_EQ(faults_of([&](Cluster& servers) {
+              servers.start("b");
+              servers.create("b");
+              const Lease claim{.node = "a",
+                                .run = "1",
+                                .address = "http://127.0.0.1:1",
+                                .epoch = 1,
+                                .to = {},
+                                .shown = {}};
+              EXPECT_TRUE(NatsConnection::open("", "test")
+                              ->publish(lease_subject("ghost"), encode_lease(claim), "ghost/1", 0));
+              sleep_until(now() + 12 * kSecond);
+              EXPECT_EQ(lease_of_ghost().node, "a") << "b cannot open it";
+              EXPECT_EQ(lease_of_ghost().epoch, 1U);
+              EXPECT_EQ(servers.ask("b", "GET", "/v1/sessions/ghost").status, 503);
+              servers.start("a");
+              EXPECT_TRUE(servers.until([&] {
+                return servers.ask("b", "GET", "/v1/sessions/ghost").status == 404 &&
+                       servers.ask("a", "GET", "/v1/sessions/ghost").status == 404;
+              }));
+              EXPECT_EQ(lease_of_ghost().state, LeaseState::kClosed);
             }),
             "");
 }
