@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "server/formats/machine_kinematics.h"
+#include "server/verify/cut_depth.h"
 
 namespace kerf {
 namespace {
@@ -124,15 +125,16 @@ bool plunges(const Simulation& simulation, const LineVolume& line) {
   return line.mm3 > 2 * std::numbers::pi * radius * radius * radius;
 }
 
-// Surfaces are only accurate to the tolerance, so rapids that cut no deeper get no warning.
 void warn_of_rapids(const Simulation& simulation, std::vector<std::string>& warnings) {
-  const double tolerance_mm = simulation.scene().settings.tolerance_mm;
+  const Scene& scene = simulation.scene();
+  const double limit_mm = rapid_limit_mm(scene.settings.tolerance_mm);
+  const char* stock = scene.stock_assumed ? "the assumed stock" : "material";
   std::size_t count = 0;
   for (const LineVolume& line : simulation.rapid_cuts()) {
-    if (line.depth_mm <= tolerance_mm) continue;
+    if (line.depth_mm <= limit_mm) continue;
     if (++count > kWarningsMax) return;
     warnings.push_back(place_of(simulation.program(), line.file, line.line) +
-                       ": rapid motion through material: " + std::to_string(line.depth_mm) +
+                       ": rapid motion through " + stock + ": " + std::to_string(line.depth_mm) +
                        " mm deep, " + std::to_string(line.mm3) + " mm3 removed");
   }
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/carve/markup.h"
+#include "server/verify/cut_depth.h"
 
 namespace kerf {
 namespace {
@@ -68,12 +69,11 @@ Check contact_check(const char* name, const Program& program, const ContactRuns&
   return check;
 }
 
-// A rapid that leaves a surface may cut as deep as the tolerance of the cuts.
 Check rapid_check(const Scene& scene, const Program& program,
                   const std::vector<LineVolume>& lines) {
   Check check{"rapids through stock", 0, false, {}};
   for (const LineVolume& line : lines) {
-    if (line.depth_mm <= scene.settings.tolerance_mm) continue;
+    if (line.depth_mm <= rapid_limit_mm(scene.settings.tolerance_mm)) continue;
     if (++check.count > kFindingsMax) continue;
     check.worst.push_back(at_line(
         program, line.file, line.line, line.tool,

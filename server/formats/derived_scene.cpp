@@ -152,6 +152,7 @@ class Derivation {
 
   void choose_tools(const ProgramFacts& facts) {
     const auto stated = stated_tools(program_, unit_mm_);
+    numbers_no_tool_ = facts.numbers_no_tool;
     std::vector<ToolId> ids = facts.named_tools;
     ids.insert(ids.end(), facts.tools.begin(), facts.tools.end());
     for (const ToolId id : ids) {
@@ -177,12 +178,17 @@ class Derivation {
            known;
   }
 
+  // A program that loads no tool cuts with the only one that it describes, whatever its number.
+  auto described(ToolId id, const std::map<ToolId, StatedTool>& stated) const {
+    return numbers_no_tool_ && stated.size() == 1 ? stated.begin() : stated.find(id);
+  }
+
   DerivedTool tool_of(ToolId id, const std::map<ToolId, StatedTool>& stated) {
     constexpr Origin kStated = Origin::kStated;
     constexpr ToolOrigins kAll{kStated, kStated, kStated, kStated};
     const auto wish = wishes_.tools.find(id);
     if (wish != wishes_.tools.end()) return {wish->second, kAll, "--tool", "as asked for"};
-    const auto comment = stated.find(id);
+    const auto comment = described(id, stated);
     if (environment_.tools) {
       const auto entry = environment_.tools->find(static_cast<int>(id));
       if (entry != environment_.tools->end() && entry->second.diameter_mm > 0) {
@@ -347,6 +353,7 @@ class Derivation {
   std::map<ToolId, ToolShape> tools_;
   double unit_mm_ = 1;    ///< of the program
   double radius_mm_ = 0;  ///< of the largest moving tool
+  bool numbers_no_tool_ = false;
 };
 
 }  // namespace

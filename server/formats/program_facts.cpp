@@ -24,7 +24,6 @@ constexpr std::size_t kToolsMax = 64, kDigitsMax = 6;
 std::set<ToolId> tools_of_apt(std::string_view text) {
   std::set<ToolId> tools;
   for (const auto& [id, tool] : apt_tools(text).tools) tools.insert(id);
-  if (tools.empty()) tools.insert(1);
   return tools;
 }
 
@@ -55,7 +54,6 @@ std::set<ToolId> numbered_tools(std::string_view text) {
     }
     if (id > 0) tools.insert(id);
   }
-  if (tools.empty()) tools.insert(1);
   return tools;
 }
 
@@ -87,6 +85,7 @@ class FactsVisitor final : public ProgramVisitor {
     return ProgramFacts{.kinematics = {},
                         .tools = {tools_.begin(), tools_.end()},
                         .named_tools = {},
+                        .numbers_no_tool = false,
                         .cuts = extents_.result(),
                         .motions = motions_,
                         .duration_s = duration_s_,
@@ -111,7 +110,9 @@ std::expected<ProgramFacts, ProgramError> program_facts(const std::string& name,
                                                         const GcodeEnvironment& environment,
                                                         const std::stop_token& stop) {
   Scene scene;
-  const std::set<ToolId> named = numbered_tools(text);
+  std::set<ToolId> named = numbered_tools(text);
+  const bool numbers_no_tool = named.empty();
+  if (numbers_no_tool) named.insert(1);
   for (const ToolId id : named) {
     scene.tools[id] = {.shape = kThinTool, .body = {}, .tool = *make_tool(kThinTool)};
   }
@@ -132,6 +133,7 @@ std::expected<ProgramFacts, ProgramError> program_facts(const std::string& name,
       if (!facts) return facts;
       facts->kinematics = kinematics;
       facts->named_tools.assign(named.begin(), named.end());
+      facts->numbers_no_tool = numbers_no_tool;
       if (std::ranges::find(facts->tools, spare) != facts->tools.end()) facts->spindle_tool = spare;
       facts->assumed_inches = read->notes.assumed_inches;
       return facts;

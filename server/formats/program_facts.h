@@ -19,7 +19,8 @@ struct ProgramFacts {
   /// The first of xyz, xyzac-trt, xyzbc-trt and tool-vector with which the program can be read.
   MachineKinematics kinematics = MachineKinematics::kXyz;
   std::vector<ToolId> tools;        ///< tools that move, ascending
-  std::vector<ToolId> named_tools;  ///< tools numbered in its text, ascending, at least one
+  std::vector<ToolId> named_tools;  ///< tools numbered in its text, ascending; 1 if there is none
+  bool numbers_no_tool = false;
   std::optional<CutExtents> cuts;
   std::size_t motions = 0;
   double duration_s = 0;        ///< at feed rate

@@ -51,7 +51,7 @@ class Sides {
   std::optional<double> behind(char letter) const {
     for (std::size_t at = text_.find(letter); at != std::string::npos;
          at = text_.find(letter, at + 1)) {
-      const bool joined = at > 0 && text_[at - 1] >= 'A' && text_[at - 1] <= 'Z';
+      const bool joined = is_letter(at, 1) && (text_[at - 1] != 'D' || is_letter(at, 2));
       std::size_t from = at + 1;
       while (from < text_.size() &&
              (text_[from] == ' ' || text_[from] == '=' || text_[from] == ':'))
@@ -60,6 +60,11 @@ class Sides {
         if (const auto value = number(from)) return value;
     }
     return std::nullopt;
+  }
+
+  // Whether the character so many places before a place is a letter. "DX" is the side along X.
+  bool is_letter(std::size_t at, std::size_t before) const {
+    return at >= before && text_[at - before] >= 'A' && text_[at - before] <= 'Z';
   }
 
   std::optional<double> number(std::size_t& at) const {

@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "server/formats/apt/tools.h"
@@ -208,7 +209,10 @@ class Finder {
     const auto tool = tool_of_words(comment, unit_mm_);
     if (!tool || !is_of_a_tool(*tool)) return;
     const bool worse = loose_ && loose_->doubt.empty() && !tool->doubt.empty();
-    if (!worse) loose_ = stated(*tool, line);
+    if (worse) return;
+    const auto before = std::exchange(loose_, stated(*tool, line));
+    if (before && before->doubt.empty() && tool_text(before->shape) != tool_text(tool->shape))
+      loose_->doubt = "line " + std::to_string(before->line) + " describes another tool";
   }
 
   // The first description counts, unless it is doubtful and a later one is not.

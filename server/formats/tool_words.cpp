@@ -101,8 +101,8 @@ class Combination {
            (is_flat() || (drills && mills) ? 1 : 0) + (is_drill() || is_vee() ? 1 : 0);
   }
 
-  // Finds the size with a name, else with a unit, else the only one. All others must be equal;
-  // next to one with a name, a bare number that differs is not understood.
+  // Finds the size with a name, else with a unit, else before the kind, else the only one. All
+  // others must be equal; next to one of these, a bare number that differs is not understood.
   bool find_diameter() {
     const ToolFacts::Size* best = nullptr;
     for (const ToolFacts::Size& size : facts_.sizes)
@@ -110,7 +110,7 @@ class Combination {
     if (best != nullptr) {
       for (const ToolFacts::Size& size : facts_.sizes)
         if (!is_same(size.mm, best->mm)) {
-          if (!best->named || size.named || size.with_unit) return false;
+          if (rank(size) == rank(*best) || size.named || size.with_unit) return false;
           doubt("\"" + decimal_text(size.mm / unit_mm_, 4) + "\" is not understood");
         }
       if (is_of_another_unit(*best)) return false;

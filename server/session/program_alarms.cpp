@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "server/verify/cut_depth.h"
+
 namespace kerf {
 const char* to_string(AlarmKind kind) {
   switch (kind) {
@@ -26,7 +28,8 @@ void ProgramAlarms::follow(const ProgramMotion& motion, const CarvedMotion& carv
   const auto follow_one = [&](AlarmKind kind, double amount, double limit, Vec3 at_mm = {}) {
     note(kind, motion, carved.removed_mm3, amount, limit, at_mm);
   };
-  follow_one(AlarmKind::kRapid, motion.rapid ? carved.depth_mm : 0, limits_.tolerance_mm);
+  follow_one(AlarmKind::kRapid, motion.rapid ? carved.depth_mm : 0,
+             rapid_limit_mm(limits_.tolerance_mm));
   follow_one(AlarmKind::kShank, carved.stock_contact_mm, limits_.tolerance_mm);
   follow_one(AlarmKind::kObstacle, carved.collision_n, 0);
   follow_one(AlarmKind::kForce, carved.cutting_n, limits_.force_n.value_or(kAny));

@@ -25,7 +25,7 @@ const char* unit_of(AlarmKind kind) {
 const char* reason_of(AlarmKind kind) {
   switch (kind) {
     case AlarmKind::kRapid:
-      return "a rapid cut deeper into the stock than the scene's tolerance";
+      return "a rapid cut deeper into the stock than 0.02 mm and the scene's tolerance";
     case AlarmKind::kShank:
       return "shank or holder entered the stock by more than the scene's tolerance";
     case AlarmKind::kObstacle:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -13,6 +14,15 @@
 #include "server/verify/tool_profile.h"
 
 namespace kerf {
+
+/// Depth of a rapid that counts as a cut even if the tolerance is finer, mm: coordinates of
+/// programs are rounded to micrometers, and the radii of arcs more.
+inline constexpr double kRapidDepthMm = 0.02;
+
+/// Returns the depth above which a rapid has cut into the stock, for the tolerance of the block.
+constexpr double rapid_limit_mm(double tolerance_mm) {
+  return std::max(tolerance_mm, kRapidDepthMm);
+}
 
 /// Measures how deep a motion has cut into the stock: the greatest distance of removed material
 /// from the surface of the tool's sweep. A tool that passes over a surface that is too high by the

@@ -42,6 +42,14 @@ TEST(DerivedScene, HasTheBoxOfTheCutsAndTheToolsOfTheComments) {
   EXPECT_EQ(scene.scene.accuracy->request.target_mm, 0.1) << "at least a thousandth of 58 mm";
 }
 
+/// Posts for machines without a tool changer write no T word.
+TEST(DerivedScene, AProgramThatLoadsNoToolUsesTheOnlyOneThatItDescribes) {
+  const std::string cuts = "G0 X0 Y0 Z5\nG1 Z-1 F100\nX9\nM2\n";
+  EXPECT_EQ(diameter(derived("G21 G90\n(T14 D=3.175 CR=0. - flat end mill)\n" + cuts), 1), 3.175);
+  EXPECT_EQ(diameter(derived("G21 G90\n(T14 D=3.175 CR=0. - flat end mill)\nT1 M6\n" + cuts), 1), 6)
+      << "it loads another tool";
+}
+
 TEST(DerivedScene, RequestedValuesTakePrecedence) {
   SceneWishes wishes;
   wishes.stock_size_mm = Vec3{70, 50, 10};

@@ -45,6 +45,13 @@ TEST(FanucBlock, HomesDwellsAndCodesWithoutMotion) {
 }
 
 // I is the radius of the hole; D1 takes 1 mm off. Half a circle leads to it and back.
+TEST(FanucBlock, OnlyAPercentSignAloneOnItsLineEndsTheProgram) {
+  const std::string moves = "G0 X1\nG1 X2 F10\n";
+  EXPECT_EQ(fanuc("%\nO1\n" + moves + "% LED ON\nX3\n%\nX4\n"),
+            fanuc("%\nO1\n" + moves + "X3\n%\nX4\n"));
+  EXPECT_NE(fanuc("%\nO1\n" + moves + "% LED ON\nX3\n%\n"), fanuc("%\nO1\n" + moves + "%\n"));
+}
+
 TEST(FanucBlock, CircularPocketsOfHaas) {
   EXPECT_EQ(haas("T1\nG0 X10 Y20 Z1\nG13 I5. D1 Z-2. F100\nG1 X0\nM30\n"),
             "R 10 20 1, F 10 20 -2, A 14 20 -2, A 14 20 -2, A 10 20 -2, F 0 20 -2");

@@ -154,6 +154,8 @@ TEST(GcodeReader, PercentSignsFrameTheProgram) {
   EXPECT_EQ(gcode(scene, "").motions.size(), 0u);
   EXPECT_EQ(gcode(scene, "\xEF\xBB\xBF%\n" + kStart + "G1 Z0 F10\n%\n").motions.size(), 1u);
   EXPECT_EQ(gcode(scene, kStart + "\r\nG1 Z0 F10\r\nM2\r\n").motions.size(), 1u);
+  EXPECT_EQ(gcode(scene, "(a comment before it)\n%\n" + kStart + "G1 Z0 F10\n%\n").motions.size(),
+            1u);
 }
 
 TEST(GcodeReader, BlockDeleteIsOn) {

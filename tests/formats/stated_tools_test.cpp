@@ -118,6 +118,26 @@ TEST(ToolWords, EveryOptionWordIsUnderstood) {
     EXPECT_EQ(exact(text), "none") << text;
 }
 
+TEST(StatedTools, AShopNumberIsADoubtAndNoSize) {
+  for (const char* text : {"G21\n(T1 = 1/2\" END MILL 03-0086)\nT1 M6\nG1 X1\n",
+                           "G20\n(T1 .5 ENDMILL 03-0086)\nT1 M6\nG1 X1\n"}) {
+    const auto tools = stated_tools(text, program_unit_mm(text));
+    ASSERT_TRUE(tools.contains(1)) << text;
+    EXPECT_EQ(tool_text(tools.at(1).shape), "flat, diameter 12.7 mm, length 63.5 mm") << text;
+    EXPECT_NE(tools.at(1).doubt, "") << text;
+  }
+}
+
+/// The post of FreeCAD for grbl writes the tool changes as comments.
+TEST(StatedTools, OfTwoToolsWithoutNumbersNeitherIsCertain) {
+  const auto tools =
+      stated_tools("G21\n(3mm Endmill)\n( M6 T1 )\nG1 X1\n(1.5mm Endmill)\n( M6 T2 )\nG1 X2\n");
+  ASSERT_TRUE(tools.contains(1));
+  EXPECT_EQ(tools.at(1).doubt, "line 2 describes another tool");
+  const auto same = stated_tools("G21\n(3mm Endmill)\nG1 X1\n(3mm Endmill)\nG1 X2\n");
+  EXPECT_EQ(same.at(1).doubt, "");
+}
+
 TEST(ToolWords, RequireASize) {
   for (const char* text : {"FLAT END MILL", "ENDMILL | H1 | D1", "2 flutes", "feed 300", "", "D="})
     EXPECT_EQ(words(text), "none") << text;
@@ -210,6 +230,7 @@ TEST(StatedStock, IsReadFromComments) {
   EXPECT_EQ(size("( Material Size)\n( X= 300.000 Y= 200.000 Z= 18.000)\n"), (Vec3{300, 200, 18}));
   EXPECT_EQ(size("G20\n(stock 2 x 1 x .5)\n"), (Vec3{50.8, 25.4, 12.7}));
   EXPECT_EQ(size("G20\n(stock 50mm x 20mm x 10mm)\n"), (Vec3{50, 20, 10}));
+  EXPECT_EQ(size("G20\n(STOCK 6061AL DX 4.0IN DY 2.0IN DZ 1.0IN)\n"), (Vec3{101.6, 50.8, 25.4}));
   for (const char* none : {"(leave stock 0.5)", "(X1 Y2 Z3)", "(STOCK X1 Y0 Z3)", "STOCK X1 Y1 Z1"})
     EXPECT_FALSE(stated_stock(none, 1)) << none;
 }

@@ -39,18 +39,21 @@ TEST(ProgramAlarms, ConsecutiveMotionsAreOneAlarm) {
 }
 
 TEST(ProgramAlarms, OnlyRapidsDeeperThanTheToleranceCount) {
-  ProgramAlarms alarms({.tolerance_mm = 0.01});
-  alarms.follow(motion_at(1, 1, true), {.removed_mm3 = 90, .depth_mm = 0.01});
+  ProgramAlarms alarms({.tolerance_mm = 0.03});
+  alarms.follow(motion_at(1, 1, true), {.removed_mm3 = 90, .depth_mm = 0.03});
   alarms.follow(motion_at(2, 2, false), {.removed_mm3 = 8});
   EXPECT_EQ(alarms.count(), 0U);
-  alarms.follow(motion_at(3, 3, true), {.removed_mm3 = 2, .depth_mm = 0.02});
+  alarms.follow(motion_at(3, 3, true), {.removed_mm3 = 2, .depth_mm = 0.04});
   alarms.follow(motion_at(4, 4, true), {.removed_mm3 = 3, .depth_mm = 0.5});
   ASSERT_EQ(alarms.count(), 1U);
   EXPECT_EQ(alarms.list()[0].kind, AlarmKind::kRapid);
   EXPECT_EQ(alarms.list()[0].amount, 0.5);
-  EXPECT_EQ(alarms.list()[0].limit, 0.01);
+  EXPECT_EQ(alarms.list()[0].limit, 0.03);
   EXPECT_EQ(alarms.list()[0].removed_mm3, 5);
   EXPECT_EQ(alarms.list()[0].tip_mm.x, 4);
+  ProgramAlarms fine({.tolerance_mm = 0.001});
+  fine.follow(motion_at(1, 1, true), {.removed_mm3 = 90, .depth_mm = 0.019});
+  EXPECT_EQ(fine.count(), 0U) << "programs are rounded";
 }
 
 TEST(ProgramAlarms, ForcesCountAboveTheLimitAndPushesWithoutStock) {
@@ -151,7 +154,7 @@ TEST_F(SessionTest, CrashingProgramListsAlarmsWithPositions) {
   const auto json = nlohmann::json::parse(program_json(status));
   EXPECT_EQ(json.at("alarms").at(1).at("kind"), "shank");
   EXPECT_EQ(json.at("alarms").at(0).at("unit"), "mm");
-  EXPECT_EQ(json.at("alarms").at(0).at("limit"), 0.01);
+  EXPECT_EQ(json.at("alarms").at(0).at("limit"), 0.02);
   EXPECT_EQ(json.at("alarms").at(1).at("limit"), 0.01);
   EXPECT_EQ(json.at("alarm_count"), 2);
 }

@@ -279,6 +279,12 @@ bool GcodeBlock::has_any(std::string_view letters) const {
                      [this](char letter) { return find(letter) != nullptr; });
 }
 
+bool is_percent(std::string_view line) {
+  const auto first = line.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos || line[first] != '%') return false;
+  return line.find_first_not_of(" \t\r", first + 1) == std::string_view::npos;
+}
+
 GcodeLine split_gcode_line(std::string_view line, const DialectRules& rules) {
   if (rules.macros) return split_nested(line);
   GcodeLine result;

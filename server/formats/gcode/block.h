@@ -65,6 +65,9 @@ struct GcodeLine {
 /// ";py,". Other dialects: comments may be nested, and an unclosed one ends with the line.
 GcodeLine split_gcode_line(std::string_view line, const DialectRules& rules = rules_of({}));
 
+/// Returns whether a line is a percent sign alone, which begins or ends a program.
+bool is_percent(std::string_view line);
+
 /// Parses the code of one line. Expressions use the parameters from before the line. Assignments
 /// take effect after it. `position_readable` as for GcodeValueReader. Throws GcodeFault.
 GcodeBlock parse_gcode_block(std::string_view code, GcodeParameters& parameters,

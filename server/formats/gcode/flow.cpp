@@ -18,12 +18,6 @@ GcodeFlow::GcodeFlow(GcodeSource& source, GcodeParameters& parameters, std::size
       lines_max_(lines_max),
       listener_(std::move(listener)) {}
 
-bool GcodeFlow::is_percent(std::string_view line) {
-  const auto first = line.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos || line[first] != '%') return false;
-  return line.find_first_not_of(" \t\r", first + 1) == std::string_view::npos;
-}
-
 std::string_view GcodeFlow::line_text() const {
   const GcodeFile& file = source_.file(at_.file);
   return line_ == 0 || line_ > file.lines.size() ? std::string_view() : file.lines[line_ - 1];
@@ -60,7 +54,7 @@ std::optional<GcodeLine> GcodeFlow::next() {
     }
     GcodeLine line = split_gcode_line(text);
     if (line.code.empty() && line.comment.empty()) continue;
-    started_ = true;
+    if (!line.code.empty()) started_ = true;
     if (line.code.starts_with('/')) continue;  // block delete is always on
     if (!is_o_word(line, frames_.size() > 1)) return line;
     execute(read(line, true));

@@ -78,7 +78,6 @@ class GcodeFlow final : public ProgramFlow {
   std::optional<Place> find_subroutine(const std::string& name, bool fanuc);
   OWord read(const GcodeLine& line, bool with_values) const;
   void count_line();
-  static bool is_percent(std::string_view line);
 
   GcodeSource& source_;
   GcodeParameters& parameters_;

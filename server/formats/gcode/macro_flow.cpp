@@ -90,7 +90,11 @@ std::optional<GcodeLine> MacroFlow::next() {
     count_line();
     const auto first = text.find_first_not_of(" \t\r");
     if (first != std::string_view::npos && text[first] == '%') {
-      ended_ = started_ && frames_.empty();
+      if (is_percent(text)) {
+        ended_ = started_ && frames_.empty();
+      } else if (started_) {
+        listener_.warn("text after % is not for the control, and is left out");
+      }
       continue;
     }
     GcodeLine line = split_gcode_line(text, rules_);
