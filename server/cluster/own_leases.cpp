@@ -89,18 +89,20 @@ std::expected<std::uint64_t, LeaseError> OwnLeases::store_own(const std::string&
   return std::unexpected(LeaseError{false, "the lease changes all the time"});
 }
 
+std::optional<OwnLeases::OwnLease> OwnLeases::own_lease(const std::string& session) const {
+  const std::lock_guard lock(mutex_);
+  const auto held = held_.find(session);
+  if (held == held_.end()) return std::nullopt;
+  OwnLease own{held->second.lease, held->second.revision};
+  own.lease.to = successor_;
+  return own;
+}
+
 std::expected<void, LeaseError> OwnLeases::renew(const std::string& session,
                                                  const std::optional<ShownSession>& shown) {
-  Lease lease;
-  std::uint64_t revision = 0;
-  {
-    const std::lock_guard lock(mutex_);
-    const auto held = held_.find(session);
-    if (held == held_.end()) return {};
-    lease = held->second.lease;
-    revision = held->second.revision;
-    lease.to = successor_;
-  }
+  auto own = own_lease(session);
+  if (!own) return {};
+  auto& [lease, revision] = *own;
   if (shown) {
     lease.shown = *shown;
     lease.epoch = std::max(lease.epoch, shown->epoch);
@@ -120,17 +122,9 @@ std::expected<void, LeaseError> OwnLeases::renew(const std::string& session,
 }
 
 std::expected<void, LeaseError> OwnLeases::close(const std::string& session) {
-  Lease lease;
-  std::uint64_t revision = 0;
-  {
-    const std::lock_guard lock(mutex_);
-    const auto held = held_.find(session);
-    if (held == held_.end()) {
-      return std::unexpected(LeaseError{true, "another server has taken the lease"});
-    }
-    lease = held->second.lease;
-    revision = held->second.revision;
-  }
+  auto own = own_lease(session);
+  if (!own) return std::unexpected(LeaseError{true, "another server has taken the lease"});
+  auto& [lease, revision] = *own;
   lease.state = LeaseState::kClosed;
   lease.to.clear();
   if (const auto ok = store_own(session, lease, revision); !ok) return std::unexpected(ok.error());

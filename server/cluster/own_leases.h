@@ -62,11 +62,18 @@ class OwnLeases {
     std::int64_t sent_ns = 0;
     std::shared_ptr<WriteFence> fence;
   };
+  /// The content of the next message about a held lease, and the revision that it replaces.
+  struct OwnLease {
+    Lease lease;
+    std::uint64_t revision = 0;
+  };
   NatsResult<std::uint64_t> store(const std::string& session, const Lease& lease,
                                   std::uint64_t revision, int attempts);
   LeaseError read_newest(const std::string& session, std::uint64_t revision);
   std::expected<std::uint64_t, LeaseError> store_own(const std::string& session, const Lease& lease,
                                                      std::uint64_t revision);
+  /// Returns a copy of the lease with the present successor; nullopt if the lease is not held.
+  std::optional<OwnLease> own_lease(const std::string& session) const;
 
   NatsConnection& nats_;
   std::string run_;
