@@ -336,18 +336,18 @@ class Derivation {
          " mm, which is coarser than the smallest tool needs");
   }
 
-  const std::string& name_;
-  std::string_view program_;
-  const GcodeEnvironment& environment_;
-  const SceneWishes& wishes_;
-  const std::stop_token& stop_;
-  /// Whether nothing states the diameter of a tool.
+  // Returns whether nothing states the diameter of a tool.
   bool is_assumed(ToolId id) const {
     return std::ranges::any_of(origins_, [id](const FieldOrigin& one) {
       return one.tool == id && one.field == "diameter_mm" && one.origin == Origin::kAssumed;
     });
   }
 
+  const std::string& name_;
+  std::string_view program_;
+  const GcodeEnvironment& environment_;
+  const SceneWishes& wishes_;
+  const std::stop_token& stop_;
   std::vector<std::string> notes_;
   std::vector<FieldOrigin> origins_;
   std::map<ToolId, ToolShape> tools_;
