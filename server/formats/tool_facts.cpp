@@ -64,6 +64,8 @@ class Grammar : public ToolTokenWalk {
       offset(i);
     } else if (here == Word::kTap && meaning(i + 1) == Word::kDrill) {
       claim(i);
+    } else if (here == Word::kCount) {
+      flute_count(i);
     } else if (is(i, "LETTER") || is_letter_drill(i)) {
       letter(is(i, "LETTER") ? i + 1 : i);
     } else if (is(i, "M") && is_free_number(i + 1) && tokens_[i + 1].glued) {
@@ -76,6 +78,11 @@ class Grammar : public ToolTokenWalk {
     } else {
       pair(i);
     }
+  }
+  // "TWO FLUTES", "SINGLE-FLUTE". In front of another word the number is not understood.
+  void flute_count(std::size_t i) {
+    const std::size_t next = is(i + 1, "-") ? i + 2 : i + 1;
+    if (meaning(next) == Word::kFlutes) claim(i, next - i + 1);
   }
   void pair(std::size_t i) {
     const std::size_t next = is(i + 1, "-") ? i + 2 : i + 1;

@@ -45,6 +45,7 @@ enum class ToolWord {
   kLength,
   kShank,
   kFlutes,
+  kCount,     ///< a number of flutes in words: "TWO", "SINGLE"
   kRegister,  ///< H, offsets
   kRate,      ///< feeds, speeds and depths
   kNumber,    ///< "NO": of a tool or a gauge

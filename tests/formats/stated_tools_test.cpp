@@ -47,6 +47,19 @@ TEST(ToolWords, ABareNumberNextToANamedDiameterIsADoubt) {
 TEST(ToolWords, FlutesMayBeCountedInWords) {
   EXPECT_EQ(words("3.175mm flat end mill (single flute)"), "flat, diameter 3.175 mm, length 20 mm");
   EXPECT_EQ(words("6 mm two flute ball nose"), "ball, diameter 6 mm, length 30 mm");
+  EXPECT_EQ(words("two-flute 6mm ball nose"), "ball, diameter 6 mm, length 30 mm");
+  EXPECT_EQ(words("FRAISE DEUX TAILLES D6"), "flat, diameter 6 mm, length 30 mm");
+}
+
+TEST(ToolWords, NumbersInWordsCountOnlyFlutes) {
+  for (const char* text : {"D6 double end mill", "6mm single end mill", "two D6 end mill, 2 flutes",
+                           "6mm four end mill", "D6 end mill flutes three", "FRAISE D6 DEUX"})
+    EXPECT_EQ(words(text), "? flat, diameter 6 mm, length 30 mm") << text;
+  EXPECT_EQ(words("double 6"), "none");
+  const auto tool = tool_of_words("D6 double end mill", 1);
+  ASSERT_TRUE(tool);
+  EXPECT_EQ(tool->doubt, "\"DOUBLE\" is not understood");
+  EXPECT_EQ(tool->origins, ToolOrigins{});
 }
 
 TEST(ToolWords, ReadHandWrittenComments) {
