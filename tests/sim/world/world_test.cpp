@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "tests/sim/world/process.h"
 #include "tests/support/temporary_folder.h"
 
@@ -116,6 +118,36 @@ TEST_F(WorldTest, APageShowsTheLastCutOfABusyServer) {
   plan.length = kSecond;
   plan.faults = {{.at = 300 * kMillisecond, .fault = Fault::kBusy, .length = kSecond}};
   EXPECT_EQ(faults_of(plan, 60), "");
+}
+
+/// A change of plan_of() gives the seeds other worlds: README.md then needs others.
+TEST(PlanOfSeed, SeedsOfTheReadmeHaveTheirFault) {
+  const std::pair<std::uint64_t, Fault> named[] = {
+      {174, Fault::kKill},        {1585, Fault::kKill},       {227, Fault::kPowerLoss},
+      {610, Fault::kRestart},     {5577, Fault::kStandStill}, {94, Fault::kCut},
+      {1322, Fault::kDiskFull},   {478, Fault::kDiskFails},   {194, Fault::kNoSync},
+      {2050, Fault::kDiskSlow},   {451, Fault::kNoMemory},    {19, Fault::kClockForward},
+      {342, Fault::kClockBack},   {3736, Fault::kNatsGone},   {2186, Fault::kNatsEarlier},
+      {3867, Fault::kNatsCutOff}, {191, Fault::kBusy}};
+  for (const auto& [seed, fault] : named) {
+    const Plan plan = plan_of(seed);
+    ASSERT_EQ(plan.faults.size(), 1U) << describe(plan);
+    EXPECT_EQ(plan.faults[0].fault, fault) << describe(plan);
+    EXPECT_EQ(plan.clerks, 1) << "the promises of several are not checked";
+  }
+  EXPECT_TRUE(plan_of(1585).faults[0].for_good);
+  const Plan disk = plan_of(2850);
+  ASSERT_EQ(disk.faults.size(), 3U) << describe(disk);
+  EXPECT_EQ(disk.faults[0].fault, Fault::kNoSync);
+  EXPECT_EQ(disk.faults[2].fault, Fault::kPowerLoss);
+  EXPECT_LT(disk.faults[2].at, disk.faults[0].at + disk.faults[0].length);
+  EXPECT_EQ(plan_of(285).faults.size(), 5U);
+  EXPECT_TRUE(plan_of(192).faults.empty());
+  EXPECT_EQ(plan_of(192).nats_loses, 0.01);
+  const Plan clocks = plan_of(328);
+  EXPECT_TRUE(clocks.faults.empty());
+  EXPECT_EQ(clocks.clock_rates[0], 1.05);
+  EXPECT_EQ(clocks.clock_rates[1], 0.95);
 }
 
 }  // namespace
