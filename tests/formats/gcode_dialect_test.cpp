@@ -78,6 +78,19 @@ TEST(DialectChoice, ProgramRejectedByLinuxcncDefaultsToFanuc) {
   EXPECT_THAT(to_string(strict.error()), HasSubstr("(read as LinuxCNC)"));
 }
 
+TEST(LinuxcncBlock, HasOneCodeOfAGroupAndClosedComments) {
+  const auto error = [](const std::string& text) { return refused(text, Dialect::kLinuxcnc); };
+  EXPECT_THAT(error("X1\nM2\n"), HasSubstr("motion code")) << "starts in G80";
+  EXPECT_EQ(test::moves_of("F100\nG0 X0 Y0 Z10\nG81 X1 Z-5 R3\nM2\n"),
+            "R 0 0 10, R 1 0 10, R 1 0 3, F 1 0 -5, R 1 0 3")
+      << "starts in G99";
+  EXPECT_THAT(error("G90 G91 G0 X1\n"), HasSubstr("conflicts with G90"));
+  EXPECT_THAT(error("G0 X1 (a (nested) one)\n"), HasSubstr("must not contain another comment"));
+  EXPECT_THAT(error("G0 X1 (open\n"), HasSubstr("not closed"));
+  EXPECT_EQ(test::moves_of("G4 P1\nM2\n"), "D 1");
+  EXPECT_THAT(error("M80\n"), HasSubstr("is not a supported code"));
+}
+
 TEST(MacroFlow, SubprogramsRepeatAndReturn) {
   EXPECT_EQ(fanuc("%\nO1\nG91\nM98 P2 L2\nG0 Y1\nM30\nO2 (SUB)\nG0 X1\nM99\n%\n"),
             "R 1 0 0, R 2 0 0, R 2 1 0");

@@ -267,6 +267,23 @@ TEST(GrblBlock, G10L20GivesTheCurrentPositionItsCoordinates) {
   EXPECT_THAT(refused("G10 L2 P1 R30\n", Dialect::kGrbl), HasSubstr("R30"));
 }
 
+TEST(GrblBlock, SharesItsRulesWithMach3) {
+  for (const Dialect dialect : {Dialect::kGrbl, Dialect::kMach3}) {
+    SCOPED_TRACE(rules_of(dialect).label);
+    const auto moves = [&](const std::string& text) { return test::moves_of(text, as(dialect)); };
+    EXPECT_EQ(moves("X1 Y2\nM30\n"), "R 1 2 0") << "starts in G0";
+    EXPECT_EQ(moves("G0 Z9\nG81 X1 Z-1 R2 F9\nG80\nM30\n"),
+              "R 0 0 9, R 1 0 9, R 1 0 2, F 1 0 -1, R 1 0 9")
+        << "starts in G98";
+    EXPECT_EQ(moves("G90 G91 G1 G0 X1\nX1\nM30\n"), "R 1 0 0, R 2 0 0");
+    EXPECT_EQ(moves("G0 X1 (a (nested) one) Y2 (open\nM30\n"), "R 1 2 0");
+    EXPECT_EQ(moves("G4 P1\nG0 X5 M131\nX#1 Y1\nM30\n"), "D 1, R 5 0 0, R 0 1 0")
+        << "a variable is 0 until it is assigned";
+    EXPECT_EQ(moves("%\nO1\nG91\nM98 P2 L2\nG0 Y1\nM30\nO2 (SUB)\nG0 X1\nM99\n%\n"),
+              "R 1 0 0, R 2 0 0, R 2 1 0");
+  }
+}
+
 TEST(FanucBlock, AMirroredArcBulgesToTheOtherSide) {
   const Scene scene = test::scene_for("xyz");
   const auto lowest_and_highest = [&](const std::string& mirror) {
