@@ -5,6 +5,7 @@ import golden from '../../tests/wire/golden/programs.json';
 import { SessionModel } from '../src/model/session';
 import { ProgramsPanel } from '../src/ui/programs/programs_panel';
 import { parseControl } from '../src/wire/control';
+import type { ProgramInfo } from '../src/wire/types';
 
 type Json = Record<string, unknown>;
 
@@ -105,7 +106,8 @@ describe('the panel of programs', () => {
   async function open(...programs: Json[]): Promise<void> {
     server.programs = programs;
     server.push();
-    new ProgramsPanel(server.model, 'demo', document.createElement('button')).toggle();
+    const host = { model: server.model, session: 'demo' };
+    new ProgramsPanel(host, document.createElement('button')).toggle();
     await wait(1000);
   }
 
@@ -114,16 +116,8 @@ describe('the panel of programs', () => {
     server.programs = [program(7)];
     server.push();
     const opener = document.createElement('button');
-    const panel = new ProgramsPanel(
-      server.model,
-      'demo',
-      opener,
-      null,
-      undefined,
-      undefined,
-      (one) => replayed.push(one.id),
-    );
-    panel.toggle();
+    const replay = (one: ProgramInfo): number => replayed.push(one.id);
+    new ProgramsPanel({ model: server.model, session: 'demo', replay }, opener).toggle();
     await wait(1000);
     const button = (): HTMLButtonElement => all<HTMLButtonElement>('program-play')[0]!;
     expect(button().textContent).toBe('Pause');

@@ -26,7 +26,8 @@ function openSession(app: HTMLElement, session: string, parameters: URLSearchPar
   const embedded = parameters.has('embed');
   const plays = parameters.has('play');
   if (plays) forgetParameter(parameters, 'play'); // not again when the page is loaded again
-  const page = new SessionPage(app, session, viewerName(parameters), fullQuality, embedded, plays);
+  const name = viewerName(parameters);
+  const page = new SessionPage({ app, session, name, fullQuality, embedded, plays });
   installHook(page);
   page.start(frameLimit(parameters));
 }

@@ -52,6 +52,20 @@ import { Toolbar } from '../ui/toolbar';
 const PANEL_EVERY_MS = 100;
 const SHEET_MS = 240; // duration of the bottom sheet's transition (style/phone.css)
 
+export interface SessionPageOptions {
+  /** The element that the page fills. */
+  app: HTMLElement;
+  session: string;
+  /** The viewer's name. */
+  name: string;
+  /** Draws every frame at full quality and gets exact tiles, regardless of speed. */
+  fullQuality: boolean;
+  /** Part of another page: without bars and panels, and keys open none. */
+  embedded: boolean;
+  /** Plays the cuts of the session's first program once it has finished. */
+  plays: boolean;
+}
+
 export class SessionPage {
   readonly model = new SessionModel();
   private readonly canvas_ = h('canvas', {
@@ -83,15 +97,12 @@ export class SessionPage {
   private readonly flash_ = new Flash();
   private readonly together_: Together;
   private readonly past_: PastSwitch;
+  private readonly app_: HTMLElement;
+  private readonly session_: string;
 
-  constructor(
-    private readonly app: HTMLElement,
-    private readonly session: string,
-    name: string,
-    fullQuality: boolean,
-    embedded: boolean,
-    plays: boolean,
-  ) {
+  constructor({ app, session, name, fullQuality, embedded, plays }: SessionPageOptions) {
+    this.app_ = app;
+    this.session_ = session;
     this.picture = new Picture(this.canvas_, this.overlay_, this.model, fullQuality);
     this.past_ = mountPast({
       session,
@@ -128,18 +139,9 @@ export class SessionPage {
     });
     app.replaceChildren(this.main_(embedded));
     const { element: toolbar } = this.toolbar_;
-    const { oneOpen, layoutChanged } = host;
     const replay = (program: ProgramInfo): void =>
       this.timeline_.playStrokesOf(program.participant);
-    const showLine = mountPrograms(
-      this.model,
-      session,
-      toolbar,
-      host,
-      oneOpen,
-      layoutChanged,
-      replay,
-    );
+    const showLine = mountPrograms({ ...host, toolbar, path: host, replay });
     const seek = (seek: Seek): void => this.past_.seek(seek);
     this.timeline_ = mountTimeline({ ...host, toolbar, seek });
     if (plays) whenFinished(this.model.programs, session, replay);
@@ -184,10 +186,10 @@ export class SessionPage {
   private makeLink_(name: string): ViewLink {
     return new ViewLink(
       {
-        url: socketUrl(this.session, 'view'),
+        url: socketUrl(this.session_, 'view'),
         name,
         open: openView,
-        probe: (server) => probeSession(this.session, server),
+        probe: (server) => probeSession(this.session_, server),
         look: () => this.picture.look()?.look ?? null,
         needsTiles: () => this.picture.needsTiles(),
         reloadAt,
@@ -234,7 +236,7 @@ export class SessionPage {
 
   private makePanel_(): Panel {
     const { element: together } = this.together_;
-    return new Panel(this.model, this.session, this.colors_, this.people_, together, {
+    return new Panel(this.model, this.session_, this.colors_, this.people_, together, {
       renamed: (name) => this.link_.rename(name),
       viewer: () => this.picture.viewer,
       materialChosen: (preset) => this.picture.setMaterial(preset),
@@ -327,9 +329,9 @@ export class SessionPage {
   }
 
   private resize_(): void {
-    const width = Math.max(1, this.app.clientWidth);
-    const height = Math.max(1, this.app.clientHeight);
-    this.picture.resize({ width, height, insets: insetsOf(this.app, width, height) });
+    const width = Math.max(1, this.app_.clientWidth);
+    const height = Math.max(1, this.app_.clientHeight);
+    this.picture.resize({ width, height, insets: insetsOf(this.app_, width, height) });
   }
 
   private updatePanel_(nowMs: number): void {
@@ -367,7 +369,7 @@ export class SessionPage {
 
   private showStopped_(reason: string): void {
     if (this.model.welcome) return; // the last picture stays; badge and notice explain
-    this.app.replaceChildren(
+    this.app_.replaceChildren(
       failurePage(t('Session not available'), sentence(reason || SESSION_CLOSED), [
         { label: t('All sessions'), href: '?list' },
         { label: t('Try again'), href: location.search },

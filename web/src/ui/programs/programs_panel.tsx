@@ -8,15 +8,13 @@ import '../style/programs.css';
 import { ServerError } from '../../link/server_error';
 import type { ProgramPlace } from '../../model/program_place';
 import { isOpen } from '../../model/programs';
-import type { SessionModel } from '../../model/session';
 import type { ProgramInfo, Vec3 } from '../../wire/types';
 import { h } from '../dom';
 import { sentence } from '../format';
-import { OneOpen } from '../one_open';
 import { CutControl } from './cut_control';
+import type { ProgramsPanelHost } from './host';
 import { PanelView } from './panel_view';
 import { PathControl } from './path_control';
-import type { PathHost } from './path_control';
 import { isOutdated, ProgramRequests } from './requests';
 import type { Alarm, ProgramDetails } from './requests';
 import { ProgramsState } from './state';
@@ -45,18 +43,14 @@ export class ProgramsPanel {
   private readonly wanted_ = signal<ProgramPlace | null>(null);
 
   constructor(
-    private readonly model: SessionModel,
-    session: string,
+    private readonly host: ProgramsPanelHost,
     private readonly opener: HTMLElement,
-    pathHost: PathHost | null = null,
-    private readonly oneOpen = new OneOpen(),
-    private readonly layoutChanged: () => void = () => undefined,
-    private readonly replay?: (program: ProgramInfo) => void,
   ) {
+    const { model, session, path } = host;
     this.state_ = new ProgramsState(model);
     this.requests_ = new ProgramRequests(session);
     this.options_ = new RunOptions(new TargetChoice(session));
-    this.path_ = pathHost && new PathControl(pathHost, (id) => this.requests_.path(id));
+    this.path_ = path ? new PathControl(path, (id) => this.requests_.path(id)) : null;
     this.cut_ = new CutControl(
       (participant) => this.requests_.cut(participant),
       (timeS) => this.markTime_(timeS),
@@ -87,9 +81,9 @@ export class ProgramsPanel {
   toggle(): void {
     const { isOpen } = this.state_;
     isOpen.value = !isOpen.peek();
-    if (isOpen.peek()) this.oneOpen.opens(this.close_);
-    else this.oneOpen.closed(this.close_);
-    this.layoutChanged();
+    if (isOpen.peek()) this.host.oneOpen?.opens(this.close_);
+    else this.host.oneOpen?.closed(this.close_);
+    this.host.layoutChanged?.();
     if (isOpen.peek()) void this.load_();
   }
 
@@ -105,7 +99,7 @@ export class ProgramsPanel {
       select: (id: number) => this.select_(id),
       change: (query: string) => this.order_((id) => this.requests_.change(id, query)),
       cancel: () => this.order_((id) => this.requests_.cancel(id)),
-      replay: this.replay && ((program: ProgramInfo) => this.replay_(program)),
+      replay: this.host.replay && ((program: ProgramInfo) => this.replay_(program)),
       showAlarm: (alarm: Alarm) => this.showAlarm_(alarm),
       follow: () => this.text_.follow(true),
     };
@@ -125,7 +119,7 @@ export class ProgramsPanel {
   /** Leaves the picture its place and shows the cuts of a program there. */
   private replay_(program: ProgramInfo): void {
     this.toggle();
-    this.replay?.(program);
+    this.host.replay?.(program);
   }
 
   private showOpen_(): void {
@@ -136,8 +130,8 @@ export class ProgramsPanel {
   }
 
   private loadMissing_(): void {
-    if (!this.state_.isOpen.value || !this.model.programs.incomplete) return;
-    this.model.programs.requested();
+    if (!this.state_.isOpen.value || !this.host.model.programs.incomplete) return;
+    this.host.model.programs.requested();
     void this.load_();
   }
 
@@ -151,7 +145,7 @@ export class ProgramsPanel {
   private showWanted_(): void {
     const { isOpen, selected, textOf } = this.state_;
     const wanted = this.wanted_.value;
-    if (!isOpen.value || !wanted || !this.model.programs.get(wanted.program)) return;
+    if (!isOpen.value || !wanted || !this.host.model.programs.get(wanted.program)) return;
     if (selected.value !== wanted.program) untracked(() => this.select_(wanted.program));
     if (textOf.value !== wanted.program) return;
     this.wanted_.value = null;
@@ -219,7 +213,7 @@ export class ProgramsPanel {
   /** Loads all programs, also those that ended long ago, and the parts to compare with. */
   private async load_(): Promise<void> {
     try {
-      const targets = this.options_.target.update(this.model.welcome?.pitch_mm);
+      const targets = this.options_.target.update(this.host.model.welcome?.pitch_mm);
       this.state_.keep(await this.requests_.list());
       await targets;
     } catch (problem) {
