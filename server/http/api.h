@@ -224,6 +224,7 @@ class Api {
   ApiResponse health(const ApiCall& call);
   ApiResponse ready(const ApiCall& call);
   ApiResponse metrics(const ApiCall& call);
+  ApiResponse describe_interface(const ApiCall& call);
   ApiResponse viewer_file(const ApiCall& call);
 
  private:

@@ -20,7 +20,7 @@ struct Row {
 /// The table of rights: nobody, guest, watcher, sculptor, owner, administrator.
 constexpr std::array kRows = {
     Row{Action::kReach, "reach", "xxxxxx",
-        "the page, `/healthz`, `/readyz`; exchange an invitation for a pass"},
+        "the page, `/healthz`, `/readyz`, `/openapi.json`; exchange an invitation for a pass"},
     Row{Action::kList, "list", ".xxxxx", "the list of sessions; of an invitation, its own one"},
     Row{Action::kWatch, "watch", ".xxxxx", "join as a viewer; information, programs, regions"},
     Row{Action::kDownload, "download", ".xxxxx", "models, programs, forces, the journal"},

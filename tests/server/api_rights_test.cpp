@@ -88,8 +88,8 @@ TEST_F(ApiRightsTest, RoutesWithoutATokenMatchTheTable) {
   for (const Route& route : api->routes().all()) {
     if (may(Role::kNobody, route.action)) reachable.insert(std::string(route.pattern));
   }
-  EXPECT_EQ(reachable,
-            (std::set<std::string>{"/healthz", "/readyz", "/v1/sessions/{id}/join", "/{file...}"}));
+  EXPECT_EQ(reachable, (std::set<std::string>{"/healthz", "/openapi.json", "/readyz",
+                                              "/v1/sessions/{id}/join", "/{file...}"}));
 }
 
 TEST_F(ApiRightsTest, UploadsDoNotDeleteFilesOfOtherNetworks) {
