@@ -22,6 +22,7 @@ WORKDIR /kerf
 COPY docker/machine.sh docker/packages.txt docker/
 RUN docker/machine.sh install node
 COPY web web
+COPY server/http/openapi.json server/http/
 COPY --from=wasm /kerf/web/public/*.wasm web/public/
 RUN docker/machine.sh page
 

@@ -6,6 +6,7 @@ import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import MarkdownIt from 'markdown-it';
 import type { Plugin } from 'vite';
+import { operationsMarkdown, readOpenApi } from './operations';
 
 /** The pages in the order of the navigation; each is the name of a Markdown file here. */
 export const PAGES = [
@@ -15,6 +16,7 @@ export const PAGES = [
   'operator',
   'device',
   'embedding',
+  'api',
   'decisions',
 ] as const;
 
@@ -54,8 +56,10 @@ markdown.renderer.rules['code_inline'] = (tokens, i) => {
   return `<code>${code.replace(/--[a-z0-9-]+/g, '<span>$&</span>')}</code>`;
 };
 
+/** The Markdown of a page; that of the HTTP interface ends with its generated reference. */
 export function sourceOf(name: PageName): string {
-  return readFileSync(join(import.meta.dirname, `${name}.md`), 'utf8');
+  const text = readFileSync(join(import.meta.dirname, `${name}.md`), 'utf8');
+  return name === 'api' ? `${text}\n${operationsMarkdown(readOpenApi())}` : text;
 }
 
 function parse(name: PageName): Page {
