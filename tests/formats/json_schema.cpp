@@ -11,7 +11,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-bool has_type(const Json& value, const std::string& type) {
+bool has_type(const Json& value, const Json& type) {
+  if (type.is_array()) {
+    return std::ranges::any_of(type, [&](const Json& one) { return has_type(value, one); });
+  }
+  if (type == "null") return value.is_null();
   if (type == "object") return value.is_object();
   if (type == "array") return value.is_array();
   if (type == "string") return value.is_string();
@@ -19,7 +23,7 @@ bool has_type(const Json& value, const std::string& type) {
   if (type == "number") return value.is_number();
   if (type == "integer")
     return value.is_number() && std::trunc(value.get<double>()) == value.get<double>();
-  throw std::invalid_argument("type " + type);
+  throw std::invalid_argument("type " + type.dump());
 }
 
 // Whether a number violates a limit; other values do not.
