@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <map>
+#include <set>
 
 #include "tests/paper/check.h"
 #include "tests/paper/figures.h"
@@ -43,7 +44,9 @@ std::string wrapped(std::string text) {
   return text;
 }
 
-std::string row_text(const Row& row, const RunTests& run_tests, int& failed) {
+/// `shown`: the checks whose figures an earlier row has.
+std::string row_text(const Row& row, const RunTests& run_tests, std::set<std::string>& shown,
+                     int& failed) {
   std::string result = "not reproduced", by = "–", figures;
   if (!row.check.empty()) {
     const bool holds = row.program.empty() ? found(row.check).holds : run_tests(row);
@@ -51,6 +54,7 @@ std::string row_text(const Row& row, const RunTests& run_tests, int& failed) {
     failed += holds ? 0 : 1;
     by = row.program.empty() ? "`PaperCheck/" + row.check + "`" : "`" + row.check + "`";
     if (row.program.empty()) figures = found(row.check).figures;
+    if (!figures.empty() && !shown.insert(row.check).second) figures = "as above";
   }
   return "| " + row.place + " | " + row.states + " | " + row.where + " | " + by + " | " + result +
          " | " + figures + " | " + row.deviates + " |\n";
@@ -86,10 +90,11 @@ std::string page_text(const RunTests& run_tests, int& failed) {
             "](" + figure.file + ".png)\n\n";
   }
   std::string table;
+  std::set<std::string> shown;
   int count = 0, without = 0;
   failed = 0;
   for (const Row& row : rows()) {
-    table += row_text(row, run_tests, failed);
+    table += row_text(row, run_tests, shown, failed);
     ++count;
     without += row.check.empty() ? 1 : 0;
   }

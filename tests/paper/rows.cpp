@@ -24,7 +24,7 @@ std::string bare(const std::string& cell) {
 const std::vector<Row>& rows() {
   static const std::vector<Row> kRows = [] {
     std::vector<Row> all;
-    std::ifstream in(KERF_PAPER_FOLDER "/rows.md");
+    std::ifstream in(KERF_PAPER_FOLDER "/rows.psv");
     bool in_table = false;
     for (std::string line; std::getline(in, line);
          in_table = in_table || line.starts_with("|---")) {

@@ -18,7 +18,7 @@ struct Row {
   std::string deviates = {};  ///< what differs, or cannot be reproduced, and why
 };
 
-/// Returns the rows of rows.md.
+/// Returns the rows of rows.psv.
 const std::vector<Row>& rows();
 
 }  // namespace kerf::paper
