@@ -41,7 +41,7 @@ struct SweepSettings;
 ///
 /// Based on W. Zhu and Y.-S. Lee, Dexel-based force–torque rendering and volume updating for 5-DOF
 /// haptic product prototyping and virtual sculpting, Computers in Industry 55 (2004).
-/// kernel/README.md lists where each equation is implemented.
+/// tests/paper/page.md lists where each equation is implemented.
 class Sculpture {
  public:
   /// Builds the block. Returns an error for the first setting that is out of range
