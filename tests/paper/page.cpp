@@ -47,17 +47,18 @@ std::string wrapped(std::string text) {
 /// `shown`: the checks whose figures an earlier row has.
 std::string row_text(const Row& row, const RunTests& run_tests, std::set<std::string>& shown,
                      int& failed) {
-  std::string result = "not reproduced", by = "–", figures;
+  std::string by = "–";
   if (!row.check.empty()) {
     const bool holds = row.program.empty() ? found(row.check).holds : run_tests(row);
-    result = holds ? "pass" : "**FAIL**";
     failed += holds ? 0 : 1;
-    by = row.program.empty() ? "`PaperCheck/" + row.check + "`" : "`" + row.check + "`";
-    if (row.program.empty()) figures = found(row.check).figures;
-    if (!figures.empty() && !shown.insert(row.check).second) figures = "as above";
+    by = holds ? "" : "**FAIL** ";
+    by += row.program.empty() ? "`PaperCheck/" + row.check + "`" : "`" + row.check + "`";
+    if (row.program.empty() && !found(row.check).figures.empty()) {
+      by += shown.insert(row.check).second ? ": " + found(row.check).figures : ", as above";
+    }
   }
-  return "| " + row.place + " | " + row.states + " | " + row.where + " | " + by + " | " + result +
-         " | " + figures + " | " + row.deviates + " |\n";
+  return "| " + row.place + " | " + row.states + " | " + row.where + " | " + by + " | " +
+         row.deviates + " |\n";
 }
 
 }  // namespace
@@ -101,8 +102,8 @@ std::string page_text(const RunTests& run_tests, int& failed) {
   page += "## Claims, equations and figures\n\n" +
           text("%d rows: %d pass, %d fail, %d cannot be reproduced here.\n\n", count,
                count - failed - without, failed, without) +
-          "| paper | states | implemented in | reproduced by | | measured | deviates, why |\n"
-          "|---|---|---|---|---|---|---|\n" +
+          "| paper | states | implemented in | reproduced by | deviates, why |\n"
+          "|---|---|---|---|---|\n" +
           table;
   page +=
       "\n## Dexels and voxels of equal accuracy\n\n"

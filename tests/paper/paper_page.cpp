@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
   std::fputs(page.substr(page.find("## Claims")).c_str(), stdout);
   std::fputs(times.c_str(), stdout);
   std::ofstream out(folder / "page.md");
-  out << page << times;
+  out << page;
   if (!out.flush()) return std::fprintf(stderr, "paper_page: cannot write page.md\n"), 1;
   return failed == 0 ? 0 : 1;
 }
