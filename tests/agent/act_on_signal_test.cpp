@@ -8,7 +8,7 @@
 
 #include "tests/support/eventually.h"
 
-namespace kerf::agent {
+namespace kerf::agent::act_on_signal_test {
 namespace {
 
 using test::eventually;
@@ -68,4 +68,4 @@ TEST(ActOnSignal, PendingSignalsDoNotEndTheProgramAfterwards) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::act_on_signal_test

@@ -15,7 +15,7 @@
 #include "haptic_agent/demo/height_map.h"
 #include "haptic_agent/demo/stroke.h"
 
-namespace kerf::demo {
+namespace kerf::demo::demo_test {
 namespace {
 
 constexpr double kPitchMm = 0.4;
@@ -198,4 +198,4 @@ TEST(DemoHeightMap, HeightsBetweenNodesAreBilinear) {
 }
 
 }  // namespace
-}  // namespace kerf::demo
+}  // namespace kerf::demo::demo_test

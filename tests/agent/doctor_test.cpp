@@ -17,7 +17,7 @@
 #include "haptic_agent/doctor/checks.h"
 #include "haptic_agent/run_agents.h"
 
-namespace kerf::agent {
+namespace kerf::agent::doctor_test {
 namespace {
 
 std::string all_of(const Finding& finding) {
@@ -200,4 +200,4 @@ TEST(RunAgents, EachDeviceHasItsOwnNameAndSummary) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::doctor_test

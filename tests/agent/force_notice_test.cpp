@@ -7,7 +7,7 @@
 
 #include "haptic_agent/plain_number.h"
 
-namespace kerf::agent {
+namespace kerf::agent::force_notice_test {
 namespace {
 
 Welcome welcome_of(CutLaw law, double specific, double drr) {
@@ -103,4 +103,4 @@ TEST(GripNotice, IsEmptyForDevicesHeavyEnough) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::force_notice_test

@@ -10,7 +10,7 @@
 #include "haptic_agent/realtime/clock.h"
 #include "haptic_agent/record/feel_session.h"
 
-namespace kerf::agent {
+namespace kerf::agent::laboratory_test {
 namespace {
 
 /// A cycle that does not run, and a folder for this test.
@@ -64,4 +64,4 @@ TEST_F(LaboratoryTest, StudyNeedsADeviceWithMotors) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::laboratory_test

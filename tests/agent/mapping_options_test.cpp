@@ -9,7 +9,7 @@
 #include "haptic_agent/options.h"
 #include "haptic_agent/summary.h"
 
-namespace kerf::agent {
+namespace kerf::agent::mapping_options_test {
 namespace {
 
 const DeviceCapabilities kDevice{
@@ -114,4 +114,4 @@ TEST(Summary, ContainsTheMappingAsJson) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::mapping_options_test

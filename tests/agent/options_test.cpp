@@ -15,7 +15,7 @@
 #include "haptic_agent/summary.h"
 #include "haptic_agent/wrapped_help.h"
 
-namespace kerf::agent {
+namespace kerf::agent::options_test {
 namespace {
 
 std::expected<Options, EarlyExit> read(std::vector<const char*> words) {
@@ -287,4 +287,4 @@ TEST(Summary, PrintsUdpCountersIfUdpWasRequested) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::options_test

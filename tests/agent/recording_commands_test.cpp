@@ -16,7 +16,7 @@
 #include "haptic_agent/recording_about.h"
 #include "server/wire/types.h"
 
-namespace kerf::agent {
+namespace kerf::agent::recording_commands_test {
 namespace {
 
 /// A recording of a stroke of 2 s in a folder for this test.
@@ -142,4 +142,4 @@ TEST(RecordingAbout, PlayingStatesItsOwnDeviceAndTheRecordedSession) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::recording_commands_test

@@ -9,7 +9,7 @@
 #include "haptic_agent/terminal_view.h"
 #include "haptic_agent/trip_log.h"
 
-namespace kerf::agent {
+namespace kerf::agent::view_test {
 namespace {
 
 TEST(TerminalView, BarIsClampedToItsLength) {
@@ -123,4 +123,4 @@ TEST(TripLog, EveryCodeHasReasonLimitAndRemedy) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::view_test

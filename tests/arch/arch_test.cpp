@@ -14,7 +14,7 @@
 #include "tests/arch/tokens.h"
 #include "tests/arch/words.h"
 
-namespace kerf::arch {
+namespace kerf::arch::arch_test {
 namespace {
 
 const std::vector<Source>& tree() {
@@ -49,4 +49,4 @@ TEST(Arch, NoRetiredWordIsUsed) { report_each(check_words); }
 TEST(Arch, EveryFileIsBuiltDescribedAndTested) { report(check_modules(tree())); }
 
 }  // namespace
-}  // namespace kerf::arch
+}  // namespace kerf::arch::arch_test

@@ -15,7 +15,7 @@
 #include "tests/arch/tokens.h"
 #include "tests/arch/words.h"
 
-namespace kerf::arch {
+namespace kerf::arch::rules_test {
 namespace {
 
 std::vector<Violation> includes_of(const std::string& path, const std::string& include) {
@@ -309,4 +309,4 @@ TEST(ArchModules, UnknownTopLevelFolderIsReported) {
 }
 
 }  // namespace
-}  // namespace kerf::arch
+}  // namespace kerf::arch::rules_test

@@ -12,7 +12,7 @@
 #include "server/datagram/key.h"
 #include "server/wire/codec.h"
 
-namespace kerf::datagram {
+namespace kerf::datagram::cipher_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -162,4 +162,4 @@ TEST(Key, OffersHaveDifferentKeys) {
 }
 
 }  // namespace
-}  // namespace kerf::datagram
+}  // namespace kerf::datagram::cipher_test

@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-namespace kerf::datagram {
+namespace kerf::datagram::replay_window_test {
 namespace {
 
 bool pass(ReplayWindow& window, std::uint64_t counter) {
@@ -61,4 +61,4 @@ TEST(ReplayWindow, MatchesASetOfCountersInRandomOrder) {
 }
 
 }  // namespace
-}  // namespace kerf::datagram
+}  // namespace kerf::datagram::replay_window_test

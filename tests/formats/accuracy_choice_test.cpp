@@ -8,7 +8,7 @@
 
 #include "server/formats/scene.h"
 
-namespace kerf {
+namespace kerf::accuracy_choice_test {
 namespace {
 
 using testing::HasSubstr;
@@ -269,4 +269,4 @@ TEST(SceneTarget, IsShownByExplain) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::accuracy_choice_test

@@ -7,7 +7,7 @@
 
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::air_space_test {
 namespace {
 
 SculptureSettings block() {
@@ -85,4 +85,4 @@ TEST(AirSpace, MotionsInItRemoveNothing) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::air_space_test

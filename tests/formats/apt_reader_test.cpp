@@ -6,7 +6,7 @@
 
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::apt_reader_test {
 namespace {
 
 using test::error_of;
@@ -151,4 +151,4 @@ TEST(AptReader, MissingStatementsAreReported) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::apt_reader_test

@@ -10,7 +10,7 @@
 #include "server/formats/stated_tools.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::apt_systems_test {
 namespace {
 
 using test::error_of;
@@ -184,4 +184,4 @@ TEST(AptSystems, IsRecognizedByItsStatementsUnderAnyName) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::apt_systems_test

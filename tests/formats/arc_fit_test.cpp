@@ -13,7 +13,7 @@
 #include "server/formats/units.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::arc_fit_test {
 namespace {
 
 using test::scene_for;
@@ -143,4 +143,4 @@ TEST(ArcFit, LinesAndArcsAreDistinguished) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::arc_fit_test

@@ -11,7 +11,7 @@
 #include <limits>
 #include <numbers>
 
-namespace kerf {
+namespace kerf::area_path_test {
 namespace {
 
 // The distance of a point from a path; arcs are sampled.
@@ -139,4 +139,4 @@ TEST(AreaPath, TheLastLoopIsTheWall) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::area_path_test

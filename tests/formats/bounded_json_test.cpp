@@ -7,7 +7,7 @@
 #include <random>
 #include <string>
 
-namespace kerf {
+namespace kerf::bounded_json_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -125,4 +125,4 @@ TEST(BoundedJson, StopsOnRequest) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::bounded_json_test

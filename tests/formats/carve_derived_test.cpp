@@ -2,7 +2,7 @@
 // kerf-carve without a scene, and with parts of one on the command line.
 #include "tests/formats/carve_fixture.h"
 
-namespace kerf {
+namespace kerf::carve_derived_test {
 namespace {
 
 using test::KerfCarve;
@@ -72,4 +72,4 @@ TEST_F(KerfCarve, AsksForTheDirectionOfRotaryAxes) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::carve_derived_test

@@ -17,7 +17,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::carve_stop_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -211,4 +211,4 @@ TEST_F(CarveStop, TradeoffStopsARowThatExceedsItsBudget) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::carve_stop_test

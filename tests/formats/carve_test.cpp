@@ -7,7 +7,7 @@
 #include "server/formats/model/stl_reader.h"
 #include "tests/formats/carve_fixture.h"
 
-namespace kerf {
+namespace kerf::carve_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -389,4 +389,4 @@ TEST_F(KerfCarve, AppliesToolTableParametersAndSubroutines) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::carve_test

@@ -2,7 +2,7 @@
 // kerf-carve warns of walls and grooves thinner than the pitch, and refines the pitch for a target.
 #include "tests/formats/carve_fixture.h"
 
-namespace kerf {
+namespace kerf::carve_walls_test {
 namespace {
 
 using test::KerfCarve;
@@ -133,4 +133,4 @@ TEST_F(KerfCarve, WarnsOfAStockWallThinnerThanThePitch) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::carve_walls_test

@@ -10,7 +10,7 @@
 #include "kernel/sculpture.h"
 #include "tests/support/carvings.h"
 
-namespace kerf {
+namespace kerf::cut_depth_test {
 namespace {
 
 constexpr double kPitchMm = 0.5;
@@ -141,4 +141,4 @@ TEST_F(CutDepthTest, EqualsADenseSearchForRandomMotions) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cut_depth_test

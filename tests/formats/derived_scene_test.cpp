@@ -9,7 +9,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::derived_scene_test {
 namespace {
 
 DerivedScene derived(const std::string& program, const SceneWishes& wishes = {},
@@ -158,4 +158,4 @@ TEST(DerivedScene, ErrorsComeFromTheProgram) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::derived_scene_test

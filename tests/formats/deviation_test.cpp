@@ -6,7 +6,7 @@
 #include "server/verify/deviation_survey.h"
 #include "tests/support/carvings.h"
 
-namespace kerf {
+namespace kerf::deviation_test {
 namespace {
 
 IndexedMesh mesh_of(const SolidSnapshot& snapshot) {
@@ -142,4 +142,4 @@ TEST(DistanceFigures, MatchTheirDefinitions) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::deviation_test

@@ -12,7 +12,7 @@
 #include "server/formats/pose_grid.h"
 #include "tests/formats/post_fixture.h"
 
-namespace kerf {
+namespace kerf::drilling_cycles_test {
 namespace {
 
 using test::kPosts;
@@ -156,4 +156,4 @@ TEST(DrillingCycles, HolesStayApartFromJoinedMotions) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::drilling_cycles_test

@@ -9,7 +9,7 @@
 #include "server/formats/forces_csv.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::feed_sampler_test {
 namespace {
 
 using test::gcode;
@@ -100,4 +100,4 @@ TEST(ForcesCsv, FeltColumnsAreTheWrenchShortenedByOneFactor) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::feed_sampler_test

@@ -10,7 +10,7 @@
 #include "server/formats/gcode/fault.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::gcode_arc_test {
 namespace {
 
 using test::error_of;
@@ -172,4 +172,4 @@ TEST(GcodeArc, ErrorsNameTheInvalidWord) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gcode_arc_test

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace kerf {
+namespace kerf::gcode_comment_test {
 namespace {
 
 TEST(GcodeComment, EndsAtItsEndMark) {
@@ -51,4 +51,4 @@ TEST(GcodeComment, FitsIntoALine) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gcode_comment_test

@@ -7,7 +7,7 @@
 
 #include "tests/formats/canon_record.h"
 
-namespace kerf {
+namespace kerf::gcode_compensation_test {
 namespace {
 
 using test::calls_of;
@@ -99,4 +99,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& name) { return "Case" + std::to_string(name.index); });
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gcode_compensation_test

@@ -6,7 +6,7 @@
 #include "server/formats/gcode/source.h"
 #include "tests/formats/dialect_runs.h"
 
-namespace kerf {
+namespace kerf::gcode_dialect_test {
 namespace {
 
 using test::as;
@@ -170,4 +170,4 @@ TEST(MacroExpression, HasThePrecedenceAndRoundingOfMacroB) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gcode_dialect_test

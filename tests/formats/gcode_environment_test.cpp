@@ -7,7 +7,7 @@
 #include "tests/formats/canon_record.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::gcode_environment_test {
 namespace {
 
 using test::moves_of;
@@ -128,4 +128,4 @@ TEST(GcodeEnvironment, SplinesReachTheirEndsWithinTolerance) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gcode_environment_test

@@ -8,7 +8,7 @@
 #include "server/formats/gcode/expression.h"
 #include "server/formats/gcode/fault.h"
 
-namespace kerf {
+namespace kerf::gcode_expression_test {
 namespace {
 
 GcodeBlock block_of(const std::string& line, GcodeParameters& parameters) {
@@ -146,4 +146,4 @@ TEST(GcodeBlock, BlockDeleteIsAllowedAtTheBeginningOnly) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gcode_expression_test

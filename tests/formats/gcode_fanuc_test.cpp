@@ -7,7 +7,7 @@
 
 #include "tests/formats/dialect_runs.h"
 
-namespace kerf {
+namespace kerf::gcode_fanuc_test {
 namespace {
 
 using test::as;
@@ -371,4 +371,4 @@ TEST(FanucBlock, SelectedToolThatIsNeverLoadedNeedNotExist) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gcode_fanuc_test

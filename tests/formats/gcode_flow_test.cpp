@@ -8,7 +8,7 @@
 #include "tests/formats/canon_record.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::gcode_flow_test {
 namespace {
 
 using test::calls_of;
@@ -157,4 +157,4 @@ TEST(GcodeFlow, NumberOfNamesIsLimited) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gcode_flow_test

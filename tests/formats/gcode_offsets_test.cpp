@@ -6,7 +6,7 @@
 #include "server/formats/number_text.h"
 #include "tests/formats/dialect_runs.h"
 
-namespace kerf {
+namespace kerf::gcode_offsets_test {
 namespace {
 
 using test::as;
@@ -65,4 +65,4 @@ TEST(FanucOffsets, CountByTheirDifferences) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gcode_offsets_test

@@ -7,7 +7,7 @@
 #include "tests/formats/carved_volume.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::gcode_reader_test {
 namespace {
 
 using test::error_of;
@@ -254,4 +254,4 @@ TEST(ProgramError, IsOneLineWithoutControlCharacters) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gcode_reader_test

@@ -8,7 +8,7 @@
 #include "server/carve/misfits.h"
 #include "tests/support/carvings.h"
 
-namespace kerf {
+namespace kerf::gouge_check_test {
 namespace {
 
 constexpr double kPitchMm = 0.5, kToleranceMm = 0.1;
@@ -119,4 +119,4 @@ TEST_F(GougeCheckTest, PortionsFindTheSameGougesAsAFullSearch) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gouge_check_test

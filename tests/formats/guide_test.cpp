@@ -11,7 +11,7 @@
 #include "server/formats/guide_reader.h"
 #include "server/formats/scene.h"
 
-namespace kerf {
+namespace kerf::guide_test {
 namespace {
 
 using testing::HasSubstr;
@@ -230,4 +230,4 @@ TEST(Guides, NumberOfPosesIsLimited) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::guide_test

@@ -11,7 +11,7 @@
 #include "server/formats/units.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::kinematics_test {
 namespace {
 
 using test::error_of;
@@ -200,4 +200,4 @@ TEST(MachineKinematics, AxesOfOtherMachinesAreRejected) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::kinematics_test

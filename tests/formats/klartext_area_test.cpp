@@ -11,7 +11,7 @@
 #include "tests/formats/carved_volume.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::klartext_area_test {
 namespace {
 
 using std::numbers::pi;
@@ -224,4 +224,4 @@ TEST(KlartextApproach, RejectsUnsupportedWords) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::klartext_area_test

@@ -11,7 +11,7 @@
 #include "server/formats/heidenhain/blocks.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::klartext_test {
 namespace {
 
 using test::scene_for;
@@ -382,4 +382,4 @@ TEST(Klartext, TheBlankIsTheStock) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::klartext_test

@@ -8,7 +8,7 @@
 #include "server/formats/program_facts.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::klartext_vector_test {
 namespace {
 
 using test::scene_for;
@@ -110,4 +110,4 @@ TEST(KlartextVectors, AreRejectedIfAmbiguous) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::klartext_vector_test

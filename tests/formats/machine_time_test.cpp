@@ -6,7 +6,7 @@
 #include <cmath>
 #include <initializer_list>
 
-namespace kerf {
+namespace kerf::machine_time_test {
 namespace {
 
 constexpr double kSpeed = 100, kAcceleration = 2000;
@@ -140,4 +140,4 @@ TEST(MachineTime, TheMachineOfTheSceneStatesTheLimitsOfItsAxes) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::machine_time_test

@@ -9,7 +9,7 @@
 #include "server/verify/thin_walls.h"
 #include "tests/support/standard_job.h"
 
-namespace kerf {
+namespace kerf::missing_surface_test {
 namespace {
 
 constexpr double kPitchMm = 0.3, kRibMm = 0.14, kToolMm = 3, kDepthMm = 4;
@@ -262,4 +262,4 @@ TEST(ThinWalls, RibDeterminesThePitchForATarget) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::missing_surface_test

@@ -11,7 +11,7 @@
 
 #include "tests/formats/dialect_runs.h"
 
-namespace kerf {
+namespace kerf::outline_pocket_test {
 namespace {
 
 using test::haas;
@@ -207,4 +207,4 @@ TEST(HaasG150, RejectsOutlinesThatCannotBeMilled) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::outline_pocket_test

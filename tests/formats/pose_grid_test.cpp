@@ -11,7 +11,7 @@
 
 #include "server/formats/number_text.h"
 
-namespace kerf {
+namespace kerf::pose_grid_test {
 namespace {
 
 std::array<double, 6> numbers(const ToolPose& p) {
@@ -87,4 +87,4 @@ TEST(NumberText, IsShortAndWithoutExponent) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::pose_grid_test

@@ -13,7 +13,7 @@
 #include "server/formats/program_writer.h"
 #include "tests/formats/post_fixture.h"
 
-namespace kerf {
+namespace kerf::post_test {
 namespace {
 
 using test::kPosts;
@@ -272,4 +272,4 @@ TEST(Post, MotionsAreNotJoinedAcrossARemark) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::post_test

@@ -7,7 +7,7 @@
 
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::price_test {
 namespace {
 
 Scene scene_with(const std::string& rays, const std::string& kinematics = "tool-vector") {
@@ -126,4 +126,4 @@ TEST(Price, ProgramOutsideTheBlockCostsTheEmptyBlock) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::price_test

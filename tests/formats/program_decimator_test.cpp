@@ -13,7 +13,7 @@
 #include "server/formats/pose_grid.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::program_decimator_test {
 namespace {
 
 using test::scene_for;
@@ -171,4 +171,4 @@ TEST(GcodeWriter, UnwindsTheRotaryTableWithTheToolRetracted) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::program_decimator_test

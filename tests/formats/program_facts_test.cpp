@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::program_facts_test {
 namespace {
 
 ProgramFacts facts(const std::string& text, const std::string& name = "part.ngc") {
@@ -79,4 +79,4 @@ TEST(ProgramFacts, ErrorIsThatOfTheMachineThatReadsFarthest) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::program_facts_test

@@ -11,7 +11,7 @@
 #include "server/formats/pose_grid.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::program_fuzz_test {
 namespace {
 
 using test::scene_for;
@@ -179,4 +179,4 @@ TEST(ProgramFuzz, ScenesAreReadOrRejected) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::program_fuzz_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace kerf {
+namespace kerf::program_path_test {
 namespace {
 
 /// A program through `points`. The line of a motion is its number.
@@ -125,4 +125,4 @@ TEST(ProgramPath, AnEmptyProgramHasNoPath) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::program_path_test

@@ -13,7 +13,7 @@
 #include "server/formats/program_survey.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::program_reader_test {
 namespace {
 
 using testing::HasSubstr;
@@ -255,4 +255,4 @@ TEST(PathCollector, KeepsFewPointsOfALongPath) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::program_reader_test

@@ -10,7 +10,7 @@
 #include "tests/formats/dialect_runs.h"
 #include "tests/formats/post_fixture.h"
 
-namespace kerf {
+namespace kerf::program_words_test {
 namespace {
 
 using test::as;
@@ -211,4 +211,4 @@ TEST(Export, WritesOtherPathsUnchanged) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::program_words_test

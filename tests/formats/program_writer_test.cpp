@@ -14,7 +14,7 @@
 #include "server/formats/pose_grid.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::program_writer_test {
 namespace {
 
 using test::scene_for;
@@ -215,4 +215,4 @@ TEST(ProgramWriter, EmptyProgramReadsBackEmpty) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::program_writer_test

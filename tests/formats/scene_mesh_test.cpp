@@ -9,7 +9,7 @@
 
 #include "server/formats/scene.h"
 
-namespace kerf {
+namespace kerf::scene_mesh_test {
 namespace {
 
 using testing::AllOf;
@@ -153,4 +153,4 @@ TEST_F(MeshScene, MeshesArePlacedAndRepaired) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::scene_mesh_test

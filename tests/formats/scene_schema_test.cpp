@@ -11,7 +11,7 @@
 #include "server/formats/scene_templates.h"
 #include "tests/formats/json_schema.h"
 
-namespace kerf {
+namespace kerf::scene_schema_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -235,4 +235,4 @@ TEST(SceneSchema, AcceptsWhateverTheReaderAccepts) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::scene_schema_test

@@ -7,7 +7,7 @@
 
 #include "server/formats/scene.h"
 
-namespace kerf {
+namespace kerf::scene_templates_test {
 namespace {
 
 TEST(SceneTemplates, EachIsAValidScene) {
@@ -36,4 +36,4 @@ TEST(SceneTemplates, AmmoniteEqualsTheDemo) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::scene_templates_test

@@ -13,7 +13,7 @@
 
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::scene_test {
 namespace {
 
 using testing::HasSubstr;
@@ -293,4 +293,4 @@ TEST(Scene, ExplainListsEveryFieldWithItsMeaning) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::scene_test

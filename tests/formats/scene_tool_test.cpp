@@ -10,7 +10,7 @@
 #include "server/formats/scene.h"
 #include "server/formats/tool_text.h"
 
-namespace kerf {
+namespace kerf::scene_tool_test {
 namespace {
 
 using testing::HasSubstr;
@@ -255,4 +255,4 @@ TEST(SceneTool, MutatedProfilesAreReadOrRejected) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::scene_tool_test

@@ -9,7 +9,7 @@
 #include "server/carve/simulation_json.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::simulation_test {
 namespace {
 
 using testing::ElementsAre;
@@ -219,4 +219,4 @@ TEST(Gouges, SeparateRegionsAreSeparateGouges) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::simulation_test

@@ -9,7 +9,7 @@
 #include "tests/formats/carved_volume.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::sinumerik_area_test {
 namespace {
 
 using std::numbers::pi;
@@ -118,4 +118,4 @@ TEST(SinumerikSwivel, RejectsUnsupportedWords) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::sinumerik_area_test

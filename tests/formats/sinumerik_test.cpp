@@ -8,7 +8,7 @@
 #include "server/formats/derived_scene.h"
 #include "tests/formats/scene_fixture.h"
 
-namespace kerf {
+namespace kerf::sinumerik_test {
 namespace {
 
 using test::scene_for;
@@ -311,4 +311,4 @@ TEST(Sinumerik, IsRecognizedAndDerivesAScene) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::sinumerik_test

@@ -7,7 +7,7 @@
 #include "server/formats/tool_text.h"
 #include "server/formats/tool_words.h"
 
-namespace kerf {
+namespace kerf::stated_tools_test {
 namespace {
 
 std::string words(const std::string& text, double unit_mm = 1) {
@@ -276,4 +276,4 @@ TEST(StatedTools, SettingsOfPycamAreThoseOfTheNextTool) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::stated_tools_test

@@ -9,7 +9,7 @@
 #include "server/verify/stock_mesh.h"
 #include "server/verify/thin_walls.h"
 
-namespace kerf {
+namespace kerf::thin_stock_test {
 namespace {
 
 constexpr double kPitchMm = 0.3;
@@ -180,4 +180,4 @@ TEST(ThinStock, FinDeterminesThePitchForATarget) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::thin_stock_test

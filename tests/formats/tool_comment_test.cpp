@@ -16,7 +16,7 @@
 #include "server/formats/tool_words.h"
 #include "tests/formats/post_fixture.h"
 
-namespace kerf {
+namespace kerf::tool_comment_test {
 namespace {
 
 using test::kPosts;
@@ -372,4 +372,4 @@ TEST(StatedStock, AptStockIsThatOfItsInsert) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_comment_test

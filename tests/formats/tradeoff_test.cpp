@@ -13,7 +13,7 @@
 #include "server/carve/tradeoff_table.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::tradeoff_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -297,4 +297,4 @@ TEST_F(Tradeoff, ReportsBadInputInOneLine) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tradeoff_test

@@ -10,7 +10,7 @@
 #include "tests/support/standard_job.h"
 #include "tests/support/swept_oracle.h"
 
-namespace kerf {
+namespace kerf::true_solid_test {
 namespace {
 
 std::map<ToolId, SceneTool> tool_map(const ToolShape& shape) {
@@ -141,4 +141,4 @@ TEST(SurfaceError, UntouchedBlockHasNoError) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::true_solid_test

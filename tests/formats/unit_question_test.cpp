@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace kerf {
+namespace kerf::unit_question_test {
 namespace {
 
 /// A tetrahedron whose greatest side is `size`, as ASCII STL.
@@ -93,4 +93,4 @@ TEST(UnitQuestion, IsTypedInJson) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::unit_question_test

@@ -11,7 +11,7 @@
 #include "tests/formats/carve_fixture.h"
 #include "tests/support/carvings.h"
 
-namespace kerf {
+namespace kerf::verify_test {
 namespace {
 
 using testing::HasSubstr;
@@ -384,4 +384,4 @@ TEST(Markup, EscapesEveryByte) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::verify_test

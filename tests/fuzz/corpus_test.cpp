@@ -12,7 +12,7 @@
 
 #include "tests/fuzz/targets.h"
 
-namespace kerf::fuzz {
+namespace kerf::fuzz::corpus_test {
 namespace {
 
 std::vector<std::string> corpus_of(std::string_view name) {
@@ -77,4 +77,4 @@ TEST(FuzzCorpus, EveryTargetHandlesItsCorpusAndMutations) {
 }
 
 }  // namespace
-}  // namespace kerf::fuzz
+}  // namespace kerf::fuzz::corpus_test

@@ -9,7 +9,7 @@
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::motion_in_pieces_test {
 namespace {
 
 /// Random moves of four tools, in and around a block of 24 x 24 x 8 mm.
@@ -170,4 +170,4 @@ TEST(MotionInPieces, InvalidMotionIsRejectedBeforeItBegins) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::motion_in_pieces_test

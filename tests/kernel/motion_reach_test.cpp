@@ -11,7 +11,7 @@
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::motion_reach_test {
 namespace {
 
 std::vector<DexelGrid> grids_of(const Sculpture& block) {
@@ -196,4 +196,4 @@ TEST(MotionReach, DiagonalReachesTilesInProportionToItsLength) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::motion_reach_test

@@ -19,7 +19,7 @@
 #include "tests/support/shuffled_workers.h"
 #include "tests/support/thread_workers.h"
 
-namespace kerf {
+namespace kerf::motion_window_test {
 namespace {
 
 constexpr double kSide = 40, kTop = 20;
@@ -271,4 +271,4 @@ TEST(MotionWindow, IsEmptyWithoutMotions) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::motion_window_test

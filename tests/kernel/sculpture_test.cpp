@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace kerf {
+namespace kerf::sculpture_test {
 namespace {
 
 const Vec3 kUp{0, 0, 1};
@@ -141,4 +141,4 @@ TEST(Sculpture, RedefiningAToolChangesLaterCutsOnly) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::sculpture_test

@@ -10,7 +10,7 @@
 
 #include "tests/support/swept_oracle.h"
 
-namespace kerf {
+namespace kerf::standard_job_test {
 namespace {
 
 Sculpture carve(bool five_axis, double pitch_mm, double tolerance_mm, const ToolShape& shape,
@@ -95,4 +95,4 @@ TEST(Determinism, StandardJobHashes) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::standard_job_test

@@ -9,7 +9,7 @@
 #include "tests/support/carvings.h"
 #include "tests/support/mesh_check.h"
 
-namespace kerf {
+namespace kerf::surface_mesh_test {
 namespace {
 
 using test::check_mesh;
@@ -280,4 +280,4 @@ TEST(TilesToRemesh, AreTheNeighborsThatReadTheChangedColumns) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::surface_mesh_test

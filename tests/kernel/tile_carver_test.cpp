@@ -13,7 +13,7 @@
 #include "kernel/sculpture.h"
 #include "kernel/sculpture_motion.h"
 
-namespace kerf {
+namespace kerf::tile_carver_test {
 namespace {
 
 /// Blocks of 24 x 20 x 8 mm, motions of four tools in and around them, and every tile.
@@ -374,4 +374,4 @@ TEST(TileCarver, StockRestoredAroundAToolIsImprint) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tile_carver_test

@@ -18,7 +18,7 @@
 #include "kernel/motion_in_pieces.h"
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::volume_test {
 namespace {
 
 class Random {
@@ -274,4 +274,4 @@ TEST(Volume, BoxMeshEqualsTheBox) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::volume_test

@@ -9,7 +9,7 @@
 #include "tests/paper/page.h"
 #include "tests/paper/voxel_block.h"
 
-namespace kerf::paper {
+namespace kerf::paper::paper_test {
 namespace {
 
 class PaperCheck : public testing::TestWithParam<Check> {};
@@ -80,4 +80,4 @@ TEST(Examples, BirdRisesAboveItsGround) {
 }
 
 }  // namespace
-}  // namespace kerf::paper
+}  // namespace kerf::paper::paper_test

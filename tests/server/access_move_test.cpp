@@ -5,7 +5,7 @@
 #include "server/rights/access.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::access_move_test {
 namespace {
 
 const std::string kAdmin = "0123456789abcdef0123456789abcdef";
@@ -104,4 +104,4 @@ TEST_F(AccessMoveTest, DamagedRightsAreIgnored) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::access_move_test

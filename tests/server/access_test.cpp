@@ -11,7 +11,7 @@
 #include "server/rights/rights.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::access_test {
 namespace {
 
 const std::string kAdmin = "0123456789abcdef0123456789abcdef";
@@ -336,4 +336,4 @@ TEST(AdminToken, FileIsCreatedOnceAndPrivate) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::access_test

@@ -5,7 +5,7 @@
 
 #include "tests/server/conversation_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::agent_conversation_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -223,4 +223,4 @@ TEST_F(AgentConversationTest, ToolChangesAreLimitedToTenPerSecond) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::agent_conversation_test

@@ -3,7 +3,7 @@
 #include "kernel/cut/workers.h"
 #include "tests/server/conversation_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::agent_datagram_test {
 namespace {
 
 using Kind = OutFrame::Kind;
@@ -200,4 +200,4 @@ TEST_F(AgentDatagramTest, DatagramsAreIgnoredAfterTheEnd) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::agent_datagram_test

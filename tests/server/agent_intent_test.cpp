@@ -2,7 +2,7 @@
 // The poses of nearby tools, which are sent to an agent before the tiles that these tools cut.
 #include "tests/server/conversation_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::agent_intent_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -96,4 +96,4 @@ TEST_F(AgentIntentTest, ARejectedMotionDoesNotCut) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::agent_intent_test

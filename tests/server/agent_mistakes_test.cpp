@@ -8,7 +8,7 @@
 
 #include "tests/server/conversation_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::agent_mistakes_test {
 namespace {
 
 using std::chrono::seconds;
@@ -240,4 +240,4 @@ TEST_F(AgentCuts, RepeatedSamplesAreSkipped) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::agent_mistakes_test

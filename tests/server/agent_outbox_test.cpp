@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf::net {
+namespace kerf::net::agent_outbox_test {
 namespace {
 
 using Kind = OutFrame::Kind;
@@ -69,4 +69,4 @@ TEST(AgentOutbox, AfterCloseOnlyQueuedControlMessagesAreSent) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::agent_outbox_test

@@ -6,7 +6,7 @@
 
 #include "tests/server/conversation_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::agent_reach_test {
 namespace {
 
 using AgentReachTest = ConversationTest;
@@ -90,4 +90,4 @@ TEST_F(AgentReachTest, ReachesAreLimitedToTenPerSecond) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::agent_reach_test

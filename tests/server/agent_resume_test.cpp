@@ -5,7 +5,7 @@
 
 #include "tests/server/conversation_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::agent_resume_test {
 namespace {
 
 using Kind = OutFrame::Kind;
@@ -187,4 +187,4 @@ TEST_F(AgentResumeTest, FullSessionAdmitsResumingAgents) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::agent_resume_test

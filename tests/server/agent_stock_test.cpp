@@ -8,7 +8,7 @@
 #include "server/conversation/agent_conversation.h"
 #include "tests/server/conversation_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::agent_stock_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -124,4 +124,4 @@ TEST_F(ReplicaTest, CutIsSentOnceAnEarlierFrameIsAcknowledged) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::agent_stock_test

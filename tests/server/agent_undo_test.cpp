@@ -5,7 +5,7 @@
 #include "server/conversation/agent_conversation.h"
 #include "tests/server/undo_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::agent_undo_test {
 namespace {
 
 using nlohmann::json;
@@ -221,4 +221,4 @@ TEST_F(AgentUndo, AgentMayLeaveBeforeItsUndoBegins) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::agent_undo_test

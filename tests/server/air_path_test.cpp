@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace kerf {
+namespace kerf::air_path_test {
 namespace {
 
 MoveTool move_between(Vec3 from, Vec3 to, double duration_s = 0.1, Vec3 axis = {0, 0, 1}) {
@@ -78,4 +78,4 @@ TEST(AirPath, StaysWithinTheToleranceOfACurve) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::air_path_test

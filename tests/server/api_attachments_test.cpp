@@ -4,7 +4,7 @@
 #include "server/store/attachment.h"
 #include "tests/server/api_rights_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::api_attachments_test {
 namespace {
 
 constexpr const char* kTetrahedron =
@@ -135,4 +135,4 @@ TEST_F(ApiAttachmentsTest, AClosedSessionAndADownloadHaveNoAttachments) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::api_attachments_test

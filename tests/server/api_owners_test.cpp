@@ -6,7 +6,7 @@
 
 #include "tests/server/api_rights_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::api_owners_test {
 namespace {
 
 using Point = std::array<float, 6>;
@@ -104,4 +104,4 @@ TEST_F(ApiOwnersTest, AuthorsAreListedAfterTheyLeave) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::api_owners_test

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/server/api_rights_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::api_pins_test {
 namespace {
 
 TEST_F(ApiRightsTest, PinsAreSetBySculptorsAndSeenByWatchers) {
@@ -39,4 +39,4 @@ TEST_F(ApiRightsTest, PinsAreSetBySculptorsAndSeenByWatchers) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::api_pins_test

@@ -12,7 +12,7 @@
 #include "tests/server/api_rights_fixture.h"
 #include "web/wasm/files/journal_block.h"
 
-namespace kerf::net {
+namespace kerf::net::api_replay_test {
 namespace {
 
 using page::JournalBlock;
@@ -345,4 +345,4 @@ TEST_F(ApiReplay, DamagedSpanIsDetectedBeforeItIsCarved) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::api_replay_test

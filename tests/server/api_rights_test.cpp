@@ -10,7 +10,7 @@
 #include "server/http/routes.h"
 #include "tests/server/api_rights_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::api_rights_test {
 namespace {
 
 std::string target_of(const Route& route) {
@@ -354,4 +354,4 @@ TEST(Cookies, PassIsFoundAmongOtherCookies) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::api_rights_test

@@ -6,7 +6,7 @@
 
 #include "tests/server/api_rights_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::api_targets_test {
 namespace {
 
 const std::string kTargets = "/v1/sessions/block/targets";
@@ -307,4 +307,4 @@ TEST_F(ProgramTargets, NeedAPartOfTheSessionAndAPositiveTolerance) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::api_targets_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf::net {
+namespace kerf::net::browser_rules_test {
 namespace {
 
 std::string header(const ApiResponse& response, std::string_view name) {
@@ -177,4 +177,4 @@ TEST(BrowserRules, OnlyPagesOfNamedOriginsMayReadResponses) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::browser_rules_test

@@ -8,7 +8,7 @@
 #include "kernel/sculpture.h"
 #include "server/feed/tile_feed.h"
 
-namespace kerf {
+namespace kerf::changed_columns_test {
 namespace {
 
 const BoxStock kBlock{{0, 0, 0}, {96, 96, 8}};  // 6 x 6 tiles of 16 mm
@@ -98,4 +98,4 @@ TEST(TileFeed, MeshesTheNeighborsOfACutTileOnlyIfTheyReadTheChangedColumns) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::changed_columns_test

@@ -5,7 +5,7 @@
 #include "server/store/journal_file.h"
 #include "tests/server/api_rights_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::closed_meanwhile_test {
 namespace {
 
 /// Runs work at once, and runs `before` ahead of the first work after it was set.
@@ -93,4 +93,4 @@ TEST_F(ClosedMeanwhile, ChangeThatFailsWithItsSessionIsNotAServerError) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::closed_meanwhile_test

@@ -11,7 +11,7 @@
 #include "tests/support/carvings.h"
 #include "tests/support/glb_reader.h"
 
-namespace kerf {
+namespace kerf::column_digest_test {
 namespace {
 
 const BoxStock kBlock{{-3, 2, 0}, {74, 82, 12}};
@@ -107,4 +107,4 @@ TEST_P(ColumnDigest, ViewersTilesHaveTheBlocksDigests) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::column_digest_test

@@ -18,7 +18,7 @@
 #include "server/log/log.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::command_line_test {
 namespace {
 
 using testing::ElementsAre;
@@ -176,4 +176,4 @@ TEST_F(CommandLineTest, AdministratorsTokenIsRemovedFromTheEnvironment) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::command_line_test

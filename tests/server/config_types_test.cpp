@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::config_types_test {
 namespace {
 
 ConfigType type_of(std::string_view key) {
@@ -57,4 +57,4 @@ TEST(ConfigTypes, AmbiguousValuesAreFaults) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::config_types_test

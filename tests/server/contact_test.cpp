@@ -3,7 +3,7 @@
 
 #include "tests/server/session_fixture.h"
 
-namespace kerf {
+namespace kerf::contact_test {
 namespace {
 
 TEST_F(SessionTest, ReportsAnObstacleBeforeContact) {
@@ -64,4 +64,4 @@ TEST_F(SessionTest, AgentReceivesTheForceOfAnotherParticipant) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::contact_test

@@ -4,7 +4,7 @@
 
 #include "tests/server/conversation_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::conversation_fuzz_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -326,4 +326,4 @@ TEST_F(ConversationFuzzTest, ViewersMaySendAnything) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::conversation_fuzz_test

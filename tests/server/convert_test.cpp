@@ -10,7 +10,7 @@
 #include "server/convert/tool_track.h"
 #include "server/formats/pose_grid.h"
 
-namespace kerf {
+namespace kerf::convert_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -187,4 +187,4 @@ TEST(BatchSum, SetsTheCollidingStatus) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::convert_test

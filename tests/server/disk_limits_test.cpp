@@ -7,7 +7,7 @@
 #include "server/store/block_snapshot.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf {
+namespace kerf::disk_limits_test {
 namespace {
 
 void write_file(const std::filesystem::path& file, std::size_t bytes) {
@@ -180,4 +180,4 @@ TEST_F(SessionDisk, NoSnapshotIsWrittenWhileTheDiskIsLow) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::disk_limits_test

@@ -5,7 +5,7 @@
 #include "tests/server/api_rights_fixture.h"
 #include "tests/server/store/faulty_disk.h"
 
-namespace kerf::net {
+namespace kerf::net::download_fault_test {
 namespace {
 
 using test::DiskFault;
@@ -34,4 +34,4 @@ TEST_F(DownloadFault, GetsA503AndTheNextRequestSucceeds) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::download_fault_test

@@ -11,7 +11,7 @@
 #include "server/http/download_name.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf::net {
+namespace kerf::net::download_test {
 namespace {
 
 std::optional<ByteRange> range(std::string_view header, std::uint64_t bytes = 1000) {
@@ -244,4 +244,4 @@ TEST_F(DownloadCacheTest, AFailureIsReportedAndNotCached) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::download_test

@@ -8,7 +8,7 @@
 
 #include "tests/server/export_fixture.h"
 
-namespace kerf {
+namespace kerf::export_test {
 namespace {
 
 /// A scene with an obstacle, so that a tool at rest is recorded. Tool 3 is larger than tool 1.
@@ -124,4 +124,4 @@ TEST_F(SessionExport, ConcurrentUndoLeavesAConsistentExport) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::export_test

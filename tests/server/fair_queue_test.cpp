@@ -16,7 +16,7 @@
 #include "server/threads/io_threads.h"
 #include "tests/server/manual_executor.h"
 
-namespace kerf {
+namespace kerf::fair_queue_test {
 namespace {
 
 class FairQueueTest : public testing::Test {
@@ -229,4 +229,4 @@ TEST(FairQueueThreads, EveryJobRunsOrIsDropped) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::fair_queue_test

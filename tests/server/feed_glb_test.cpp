@@ -9,7 +9,7 @@
 #include "tests/support/glb_reader.h"
 #include "tests/support/mesh_check.h"
 
-namespace kerf {
+namespace kerf::feed_glb_test {
 namespace {
 
 const BoxStock kBlock{{-7.3, 11.1, 400.7}, {10, 30, 409.9}};
@@ -184,4 +184,4 @@ TEST(MeshGlbTile, LargeTilesHaveWideIndices) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::feed_glb_test

@@ -3,7 +3,7 @@
 
 #include "tests/server/session_fixture.h"
 
-namespace kerf {
+namespace kerf::felt_state_test {
 namespace {
 
 TEST_F(SessionTest, ViewersSeeTheShareOfTheWrenchThatAnAgentStates) {
@@ -28,4 +28,4 @@ TEST_F(SessionTest, ViewersSeeTheShareOfTheWrenchThatAnAgentStates) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::felt_state_test

@@ -11,7 +11,7 @@
 #include "server/store/journal_times.h"
 #include "tests/server/undo_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::history_point_test {
 namespace {
 
 TEST(HistoryPoint, TimesAreThoseOfRfc3339InUtc) {
@@ -223,4 +223,4 @@ TEST(PointName, IsPlainUtf8) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::history_point_test

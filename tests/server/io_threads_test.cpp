@@ -16,7 +16,7 @@
 #include "server/threads/run_and_wait.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf {
+namespace kerf::io_threads_test {
 namespace {
 
 int niceness() { return getpriority(PRIO_PROCESS, 0); }
@@ -86,4 +86,4 @@ TEST(IoThreads, AreTheExecutorOfASession) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::io_threads_test

@@ -9,7 +9,7 @@
 #include "server/rights/caller.h"
 #include "tests/server/api_rights_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::job_stops_test {
 namespace {
 
 TEST(JobStops, EndTheJobsOfASession) {
@@ -99,4 +99,4 @@ TEST_F(StoppedTest, ClosingASessionEndsItsJobs) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::job_stops_test

@@ -5,7 +5,7 @@
 
 #include "server/store/crc32.h"
 
-namespace kerf {
+namespace kerf::journal_record_test {
 namespace {
 
 MoveTool some_move() {
@@ -119,4 +119,4 @@ TEST(JournalRecord, ChecksumCoversSequenceAndParticipant) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::journal_record_test

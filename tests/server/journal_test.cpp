@@ -8,7 +8,7 @@
 #include "server/store/journal_writer.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::journal_test {
 namespace {
 
 const JournalHeader kHeader{"demo", "{\"name\":\"demo\"}", "/scenes", 1};
@@ -368,4 +368,4 @@ TEST_F(Journal, CopyIsComplete) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::journal_test

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-namespace kerf {
+namespace kerf::log_test {
 namespace {
 
 TEST(Log, WritesTimeLevelAndTextToStderr) {
@@ -35,4 +35,4 @@ TEST(Log, WritesOneJsonObjectPerLineIfAsked) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::log_test

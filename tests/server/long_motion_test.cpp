@@ -8,7 +8,7 @@
 
 #include "tests/server/session_fixture.h"
 
-namespace kerf {
+namespace kerf::long_motion_test {
 namespace {
 
 /// 25 x 25 tiles, and a mill that covers all of them.
@@ -161,4 +161,4 @@ TEST_F(LongMotionTest, LargeBatchContinuesInLaterTurns) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::long_motion_test

@@ -14,7 +14,7 @@
 #include "tests/server/undo_fixture.h"
 #include "tests/support/failing_memory.h"
 
-namespace kerf {
+namespace kerf::memory_test {
 namespace {
 
 class SessionWithoutMemory : public SessionUndo {
@@ -103,4 +103,4 @@ TEST_F(SessionWithoutMemory, UndoSucceedsOrChangesNothing) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::memory_test

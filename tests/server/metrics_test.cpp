@@ -3,7 +3,7 @@
 
 #include "tests/server/session_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::metrics_test {
 namespace {
 
 class MetricsTest : public SessionTest {
@@ -86,4 +86,4 @@ TEST_F(MetricsTest, SortsTurnaroundsIntoBuckets) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::metrics_test

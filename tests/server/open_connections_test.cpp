@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace kerf::net {
+namespace kerf::net::open_connections_test {
 namespace {
 
 class OpenConnectionsTest : public ::testing::Test {
@@ -52,4 +52,4 @@ TEST_F(OpenConnectionsTest, MovedPlaceIsLeftOnce) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::open_connections_test

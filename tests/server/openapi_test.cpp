@@ -15,7 +15,7 @@
 #include "server/matters.h"
 #include "tests/server/api_rights_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::openapi_test {
 namespace {
 
 using Names = std::set<std::string>;
@@ -158,4 +158,4 @@ TEST_F(OpenApiRoute, AnybodyMayReadTheDocument) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::openapi_test

@@ -5,7 +5,7 @@
 
 #include "tests/server/api_rights_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::own_things_test {
 namespace {
 
 const std::string kBlock = "/v1/sessions/block/";
@@ -195,4 +195,4 @@ TEST_F(SharedThings, HoldersOfAnInvitationShareControlOfItsPrograms) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::own_things_test

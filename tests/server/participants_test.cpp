@@ -6,7 +6,7 @@
 #include "server/platform/clock.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::participants_test {
 namespace {
 
 Sculpture sculpture_with_tools() {
@@ -280,4 +280,4 @@ TEST_F(ParticipantsTest, ListenersMayUnlistenDuringANotification) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::participants_test

@@ -19,7 +19,7 @@
 #include "server/store/sqlite.h"
 #include "tests/server/undo_fixture.h"
 
-namespace kerf {
+namespace kerf::past_block_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -295,4 +295,4 @@ TEST_F(Past, StopsOnRequest) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::past_block_test

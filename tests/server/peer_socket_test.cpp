@@ -11,7 +11,7 @@
 #include "server/websocket/upgrade_request.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::peer_socket_test {
 namespace {
 
 namespace asio = boost::asio;
@@ -137,4 +137,4 @@ TEST_F(PeerSocketTest, FrameArrivesEvenIfThePromisedNextOneIsDropped) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::peer_socket_test

@@ -12,7 +12,7 @@
 #include "server/store/plain_text.h"
 #include "tests/server/undo_fixture.h"
 
-namespace kerf {
+namespace kerf::pins_test {
 namespace {
 
 class PinsTest : public SessionUndo {
@@ -146,4 +146,4 @@ TEST(PlainText, IsUtf8WithoutControlCharacters) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::pins_test

@@ -17,7 +17,7 @@
 #include "server/platform/clock.h"
 #include "server/platform/random.h"
 
-namespace kerf {
+namespace kerf::platform_test {
 namespace {
 
 TEST(Clock, NowIsTheTimeByWhichTheStandardLibraryWaits) {
@@ -103,4 +103,4 @@ TEST(Random, FillsMuchWhileSignalsArrive) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::platform_test

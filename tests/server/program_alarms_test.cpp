@@ -8,7 +8,7 @@
 #include "server/session/program_json.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf {
+namespace kerf::program_alarms_test {
 namespace {
 
 ProgramMotion motion_at(std::uint32_t line, double x_mm, bool rapid = false) {
@@ -187,4 +187,4 @@ TEST_F(SessionTest, FramesIncludeProgramsOnlyAfterAChange) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::program_alarms_test

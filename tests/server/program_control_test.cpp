@@ -8,7 +8,7 @@
 #include "server/session/stopped_program.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf {
+namespace kerf::program_control_test {
 namespace {
 
 using Carved = std::expected<std::optional<CarvedMotion>, Rejection>;
@@ -321,4 +321,4 @@ TEST_F(SessionTest, ProgramsCannotFollowFailedOrUnknownOnes) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::program_control_test

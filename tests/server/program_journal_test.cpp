@@ -9,7 +9,7 @@
 #include "tests/server/session_fixture.h"
 #include "tests/server/store/faulty_disk.h"
 
-namespace kerf {
+namespace kerf::program_journal_test {
 namespace {
 
 class ProgramJournal : public SessionTest {
@@ -239,4 +239,4 @@ TEST_F(SessionTest, RecordsHaveStrokeAndTime) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::program_journal_test

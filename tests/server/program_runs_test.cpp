@@ -7,7 +7,7 @@
 
 #include "server/platform/clock.h"
 
-namespace kerf {
+namespace kerf::program_runs_test {
 namespace {
 
 using Carved = std::expected<std::optional<CarvedMotion>, Rejection>;
@@ -242,4 +242,4 @@ TEST(ProgramRuns, OldestFinishedStatusesAreDropped) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::program_runs_test

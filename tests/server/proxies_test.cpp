@@ -5,7 +5,7 @@
 
 #include "server/http/request_head.h"
 
-namespace kerf::net {
+namespace kerf::net::proxies_test {
 namespace {
 
 TrustedProxies proxies(const std::vector<std::string>& texts) {
@@ -94,4 +94,4 @@ TEST(NetworkOf, Ipv6ClientsAreGroupedBy64Bits) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::proxies_test

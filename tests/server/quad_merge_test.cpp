@@ -12,7 +12,7 @@
 #include "tests/support/carvings.h"
 #include "tests/support/mesh_check.h"
 
-namespace kerf {
+namespace kerf::quad_merge_test {
 namespace {
 
 constexpr double kPitchMm = 0.25;
@@ -195,4 +195,4 @@ TEST(QuadMerge, UntouchedBlockAndErrorOfZeroChangeNothing) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::quad_merge_test

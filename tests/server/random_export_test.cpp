@@ -13,7 +13,7 @@
 #include "tests/server/rack_scene.h"
 #include "tests/server/random_runs.h"
 
-namespace kerf {
+namespace kerf::random_export_test {
 namespace {
 
 /// Maximum number of samples in a message.
@@ -250,4 +250,4 @@ TEST_F(RandomExport, CarvesTheBlockOfTheSessionToTheBit) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::random_export_test

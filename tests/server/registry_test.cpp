@@ -9,7 +9,7 @@
 #include "server/session/replay.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf {
+namespace kerf::registry_test {
 namespace {
 
 /// Runs work at once on the posting thread, and never runs delayed work.
@@ -152,4 +152,4 @@ TEST_F(ClosedSessions, AreEitherDeletedOrReopened) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::registry_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf::net {
+namespace kerf::net::response_head_test {
 namespace {
 
 TEST(ResponseHead, HasStatusLineFieldsAndAnEmptyLine) {
@@ -34,4 +34,4 @@ TEST(ResponseHead, AnnouncesNoBodyWhereNoneIsAllowed) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::response_head_test

@@ -4,7 +4,7 @@
 #include "server/session/session.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf {
+namespace kerf::resting_tool_test {
 namespace {
 
 using RestingTool = SessionTest;
@@ -36,4 +36,4 @@ TEST_F(RestingTool, IsNotJournaledAtTheEndOfAMotion) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::resting_tool_test

@@ -8,7 +8,7 @@
 #include "server/store/sqlite.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf {
+namespace kerf::resumable_test {
 namespace {
 
 class ResumableTest : public SessionTest {
@@ -191,4 +191,4 @@ TEST_F(JoinLimits, RepeatedJoinsWithOneInvitationAreLimited) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::resumable_test

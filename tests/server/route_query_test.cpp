@@ -9,7 +9,7 @@
 #include "server/matters.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::route_query_test {
 namespace {
 
 std::string target_of(const Route& route) {
@@ -124,4 +124,4 @@ TEST_F(RouteQuery, EmptyPartsOfAQueryAreIgnored) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::route_query_test

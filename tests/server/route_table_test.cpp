@@ -13,7 +13,7 @@
 #include "tests/server/session_fixture.h"
 #include "tests/support/zip_files.h"
 
-namespace kerf::net {
+namespace kerf::net::route_table_test {
 namespace {
 
 const RouteTable& table() {
@@ -384,4 +384,4 @@ TEST_F(ApiTest, AListOfSessionsStatesWhenTheyWereCreatedAndUsed) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::route_table_test

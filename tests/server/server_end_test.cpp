@@ -11,7 +11,7 @@
 #include "tests/bench/raster_agent.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf::net {
+namespace kerf::net::server_end_test {
 namespace {
 
 constexpr const char* kScene = R"({"name": "bench",
@@ -111,4 +111,4 @@ TEST(ServerStart, InAUsedFolderFailsAndChangesNothing) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::server_end_test

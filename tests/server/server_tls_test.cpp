@@ -19,7 +19,7 @@
 #include "tests/server/session_fixture.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf::net {
+namespace kerf::net::server_tls_test {
 namespace {
 
 class CertificateReport : public SessionTest {
@@ -125,4 +125,4 @@ TEST(SlowDownloads, OverTlsUseLittleMemory) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::server_tls_test

@@ -17,7 +17,7 @@
 #include "tests/support/eventually.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf::net {
+namespace kerf::net::server_udp_test {
 namespace {
 
 /// Motions of its first tool take several turns of the session.
@@ -264,4 +264,4 @@ TEST_F(ServerUdp, FloodIsDroppedAndOtherAgentsAreAnswered) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::server_udp_test

@@ -18,7 +18,7 @@
 #include "server/versions/versions.h"
 #include "tests/server/undo_fixture.h"
 
-namespace kerf {
+namespace kerf::session_branch_test {
 namespace {
 
 NamedVersion named(const std::string& name, std::uint64_t record) {
@@ -286,4 +286,4 @@ TEST_F(Branches, DoNotFillTheDisk) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::session_branch_test

@@ -12,7 +12,7 @@
 #include "tests/support/shuffled_workers.h"
 #include "tests/support/thread_workers.h"
 
-namespace kerf {
+namespace kerf::session_cores_test {
 namespace {
 
 /// Tool 2 has a shank that touches the stock; tool 3 covers more than a turn's tiles.
@@ -292,4 +292,4 @@ TEST_F(SessionOnTwoCores, AnswerALoneAgentAtOnce) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::session_cores_test

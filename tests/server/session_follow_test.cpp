@@ -13,7 +13,7 @@
 #include "server/threads/run_and_wait.h"
 #include "tests/server/undo_fixture.h"
 
-namespace kerf {
+namespace kerf::session_follow_test {
 namespace {
 
 class SessionFollow : public SessionUndo {
@@ -263,4 +263,4 @@ TEST_F(SessionFollow, ViewersSeeTheOwnersParticipants) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::session_follow_test

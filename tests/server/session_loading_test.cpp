@@ -9,7 +9,7 @@
 #include "server/http/api.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::session_loading_test {
 namespace {
 
 class SessionLoading : public SessionTest {
@@ -184,4 +184,4 @@ TEST_F(SessionLoading, StoppingServerLoadsNothingMore) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::session_loading_test

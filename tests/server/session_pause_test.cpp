@@ -8,7 +8,7 @@
 #include "tests/server/session_fixture.h"
 #include "tests/server/store/faulty_disk.h"
 
-namespace kerf::net {
+namespace kerf::net::session_pause_test {
 namespace {
 
 using test::DiskFault;
@@ -174,4 +174,4 @@ TEST_F(SessionPause, AnUnreadableJournalIsListedAndItsIdStaysTaken) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::session_pause_test

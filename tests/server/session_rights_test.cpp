@@ -9,7 +9,7 @@
 #include "server/session/reserved.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf {
+namespace kerf::session_rights_test {
 namespace {
 
 using wire::ErrorCode;
@@ -289,4 +289,4 @@ TEST(SweptBounds, ContainTheToolAtEveryPoseOfAMotion) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::session_rights_test

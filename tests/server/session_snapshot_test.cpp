@@ -9,7 +9,7 @@
 #include "server/store/block_snapshot.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf {
+namespace kerf::session_snapshot_test {
 namespace {
 
 /// Runs work at once on the posting thread, and never runs delayed work.
@@ -361,4 +361,4 @@ TEST_F(SessionSnapshots, EndingServerWritesALastSnapshot) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::session_snapshot_test

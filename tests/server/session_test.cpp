@@ -14,7 +14,7 @@
 #include "server/session/session_registry.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf {
+namespace kerf::session_test {
 namespace {
 
 TEST_F(SessionTest, SamplesAboveTheRateLimitLeaveAGapInTheCut) {
@@ -386,4 +386,4 @@ TEST_F(SessionTest, RegistryDerivesIdsAndLimitsTheNumberOfSessions) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::session_test

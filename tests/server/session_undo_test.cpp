@@ -13,7 +13,7 @@
 #include "server/session/session_export.h"
 #include "tests/server/undo_fixture.h"
 
-namespace kerf {
+namespace kerf::session_undo_test {
 namespace {
 
 TEST_F(SessionUndo, LeavesTheBlockWithoutTheStroke) {
@@ -374,4 +374,4 @@ TEST_F(SessionUndo, FailedCarvingIsRetried) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::session_undo_test

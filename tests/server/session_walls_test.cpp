@@ -9,7 +9,7 @@
 
 #include "tests/server/session_fixture.h"
 
-namespace kerf {
+namespace kerf::session_walls_test {
 namespace {
 
 using testing::HasSubstr;
@@ -75,4 +75,4 @@ TEST_F(SessionWalls, SaysWhetherTheTargetHoldsAtThinWalls) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::session_walls_test

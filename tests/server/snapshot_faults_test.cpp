@@ -23,7 +23,7 @@
 #endif
 #endif
 
-namespace kerf {
+namespace kerf::snapshot_faults_test {
 namespace {
 
 class SnapshotFaults : public SessionTest {
@@ -135,4 +135,4 @@ TEST_F(SnapshotFaults, ExceptionDoesNotPreventTheNextSnapshot) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::snapshot_faults_test

@@ -8,7 +8,7 @@
 
 #include "server/platform/clock.h"
 
-namespace kerf {
+namespace kerf::snapshot_schedule_test {
 namespace {
 
 TEST(SnapshotSchedules, AreDueByReplayTimeAndByAgeButNotTooOften) {
@@ -62,4 +62,4 @@ TEST(SnapshotSchedules, KeepEveryRestartBelowThreeSeconds) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::snapshot_schedule_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kerf::net {
+namespace kerf::net::static_files_test {
 namespace {
 
 class StaticFilesTest : public testing::Test {
@@ -127,4 +127,4 @@ TEST_F(StaticFilesTest, AFolderWithAnIndexIsServedUnderItsNameWithASlash) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::static_files_test

@@ -10,7 +10,7 @@
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::stock_columns_test {
 namespace {
 
 std::vector<std::byte> bytes_of(std::initializer_list<int> values) {
@@ -140,4 +140,4 @@ TEST(StockColumns, RandomBytesAreRejectedOrValid) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::stock_columns_test

@@ -14,7 +14,7 @@
 #include "server/convert/stock_columns.h"
 #include "server/wire/limits.h"
 
-namespace kerf {
+namespace kerf::stock_feed_test {
 namespace {
 
 constexpr Vec3 kUp{0, 0, 1};
@@ -373,4 +373,4 @@ TEST(StockFeed, LimitsTheTilesOfARegion) {
 INSTANTIATE_TEST_SUITE_P(Rays, StockFeedTest, testing::Values(Rays::kDexel, Rays::kTriDexel));
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::stock_feed_test

@@ -3,7 +3,7 @@
 
 #include "server/http/api.h"
 
-namespace kerf::net {
+namespace kerf::net::target_test {
 namespace {
 
 using Path = std::vector<std::string>;
@@ -45,4 +45,4 @@ TEST(SessionId, IsSafeInPathsAndUrls) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::target_test

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-namespace kerf {
+namespace kerf::thread_pool_test {
 namespace {
 
 TEST(ThreadPool, RunsEachJobOnce) {
@@ -147,4 +147,4 @@ TEST(ThreadPool, ThrowsTheExceptionOfTheLowestFailedJob) {
 TEST(ThreadPool, UsableThreadsIsPositive) { EXPECT_GE(usable_threads(), 1); }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::thread_pool_test

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-namespace kerf {
+namespace kerf::threat_model_test {
 namespace {
 
 std::string read(const std::filesystem::path& file) {
@@ -70,4 +70,4 @@ TEST(ThreatModel, UnknownTestNameIsDetected) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::threat_model_test

@@ -14,7 +14,7 @@
 #include "tests/support/drawn_error.h"
 #include "tests/support/mesh_check.h"
 
-namespace kerf {
+namespace kerf::tile_detail_test {
 namespace {
 
 const BoxStock kBlock{{-3, 2, 1}, {28, 28, 9}};
@@ -208,4 +208,4 @@ TEST(TileDetail, LevelDependsOnTheDistanceToTheTile) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tile_detail_test

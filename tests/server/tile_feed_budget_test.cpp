@@ -11,7 +11,7 @@
 #include "tests/server/feed_screen.h"
 #include "tests/support/carvings.h"
 
-namespace kerf {
+namespace kerf::tile_feed_budget_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -256,4 +256,4 @@ TEST_P(TileFeedBudgetTest, BudgetMayBeChangedAndRemoved) {
 INSTANTIATE_TEST_SUITE_P(RandomCuts, TileFeedBudgetTest, ::testing::Values(1U, 2U));
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tile_feed_budget_test

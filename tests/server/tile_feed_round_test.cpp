@@ -6,7 +6,7 @@
 #include "server/feed/tile_feed.h"
 #include "tests/support/carvings.h"
 
-namespace kerf {
+namespace kerf::tile_feed_round_test {
 namespace {
 
 /// Takes and acknowledges all frames for a viewer. Returns their number.
@@ -51,4 +51,4 @@ TEST(TileFeedRound, ViewersShareFramesWhileTheBlockChanges) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tile_feed_round_test

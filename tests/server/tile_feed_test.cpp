@@ -11,7 +11,7 @@
 #include "tests/server/feed_screen.h"
 #include "tests/support/carvings.h"
 
-namespace kerf {
+namespace kerf::tile_feed_test {
 namespace {
 
 using test::Screen;
@@ -328,4 +328,4 @@ TEST_F(TileFeedTest, SessionAndViewerThreadsRunConcurrently) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tile_feed_test

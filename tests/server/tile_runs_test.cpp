@@ -9,7 +9,7 @@
 #include "tests/support/carvings.h"
 #include "tests/support/glb_reader.h"
 
-namespace kerf {
+namespace kerf::tile_runs_test {
 namespace {
 
 /// The surfaces seen by two viewers of one feed, tile by tile.
@@ -73,4 +73,4 @@ TEST(TileFeedRepeat, CarvedTilesAreNotPartOfARectangle) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tile_runs_test

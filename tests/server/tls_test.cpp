@@ -19,7 +19,7 @@
 #include "tests/server/certificates.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf::net {
+namespace kerf::net::tls_test {
 namespace {
 
 class TlsTest : public testing::Test {
@@ -243,4 +243,4 @@ TEST(TlsCertificate, OldCertificateStaysWhileTheNextIsUnusable) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::tls_test

@@ -13,7 +13,7 @@
 #include "tests/server/session_fixture.h"
 #include "tests/support/eventually.h"
 
-namespace kerf::net {
+namespace kerf::net::udp_port_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -230,4 +230,4 @@ TEST_F(UdpPortTest, AnswersComeFromTheAddressThatTheAgentUses) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::udp_port_test

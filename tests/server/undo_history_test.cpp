@@ -13,7 +13,7 @@
 #include "tests/server/undo_fixture.h"
 #include "tests/support/shuffled_workers.h"
 
-namespace kerf {
+namespace kerf::undo_history_test {
 namespace {
 
 /// One of several schedules, switchable at any time.
@@ -171,4 +171,4 @@ TEST_F(SessionUndo, UndoAndRedoAreActivity) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::undo_history_test

@@ -2,7 +2,7 @@
 // Updates of agents' replicas after undo.
 #include "tests/server/undo_fixture.h"
 
-namespace kerf {
+namespace kerf::undo_replica_test {
 namespace {
 
 using UndoReplica = SessionUndo;
@@ -48,4 +48,4 @@ TEST_F(UndoReplica, ReplicasLearnThatTheMotionOutOfStockIsUncut) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::undo_replica_test

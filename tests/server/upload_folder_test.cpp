@@ -10,7 +10,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kerf::net {
+namespace kerf::net::upload_folder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -123,4 +123,4 @@ TEST_F(Uploads, FilesOfOlderVersionsAreFound) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::upload_folder_test

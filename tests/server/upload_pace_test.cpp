@@ -12,7 +12,7 @@
 #include "tests/server/whole/peer.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf::net {
+namespace kerf::net::upload_pace_test {
 namespace {
 
 using std::chrono::seconds;
@@ -107,4 +107,4 @@ TEST_F(SlowUpload, HoldsItsMemoryUntilItsDeadline) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::upload_pace_test

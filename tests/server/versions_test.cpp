@@ -10,7 +10,7 @@
 #include "server/store/journal_file.h"
 #include "tests/server/undo_fixture.h"
 
-namespace kerf {
+namespace kerf::versions_test {
 namespace {
 
 NamedVersion named(const std::string& name, std::uint64_t record) {
@@ -121,4 +121,4 @@ TEST_F(VersionsTest, DamagedRowIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::versions_test

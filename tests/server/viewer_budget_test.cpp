@@ -7,7 +7,7 @@
 #include "server/conversation/viewer_conversation.h"
 #include "tests/server/conversation_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::viewer_budget_test {
 namespace {
 
 class ViewerBudgetTest : public ConversationTest {};
@@ -66,4 +66,4 @@ TEST_F(ViewerBudgetTest, AnInvalidBudgetIsRejected) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::viewer_budget_test

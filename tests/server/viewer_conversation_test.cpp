@@ -7,7 +7,7 @@
 
 #include "tests/server/conversation_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::viewer_conversation_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -396,4 +396,4 @@ TEST_F(ViewerConversationTest, CloseSendsAByeAndNothingAfterIt) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::viewer_conversation_test

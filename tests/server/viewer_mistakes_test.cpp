@@ -4,7 +4,7 @@
 
 #include "tests/server/conversation_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::viewer_mistakes_test {
 namespace {
 
 class ViewerMistakes : public ConversationTest {
@@ -46,4 +46,4 @@ TEST_F(ViewerMistakes, EachInvalidFrameGetsItsError) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::viewer_mistakes_test

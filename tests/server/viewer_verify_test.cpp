@@ -3,7 +3,7 @@
 #include "server/wire/checksum.h"
 #include "tests/server/conversation_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::viewer_verify_test {
 namespace {
 
 using ViewerVerifyTest = ConversationTest;
@@ -48,4 +48,4 @@ TEST_F(ViewerVerifyTest, PongsToVerifyingViewersCountMeshFrames) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::viewer_verify_test

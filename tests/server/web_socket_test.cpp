@@ -20,7 +20,7 @@
 
 #include "server/websocket/upgrade_request.h"
 
-namespace kerf::net {
+namespace kerf::net::web_socket_test {
 namespace {
 
 namespace asio = boost::asio;
@@ -250,4 +250,4 @@ TEST_F(WebSocketTest, CuttingEndsAReadInProgress) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::web_socket_test

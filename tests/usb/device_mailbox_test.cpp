@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace kerf::agent {
+namespace kerf::agent::device_mailbox_test {
 namespace {
 
 constexpr Wrench kPush{.force_n = {3, 0, 0}, .torque_nmm = {}};
@@ -75,4 +75,4 @@ TEST_F(DeviceMailboxTest, PoseIsValidFor20Ms) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::device_mailbox_test

@@ -5,7 +5,7 @@
 
 #include "haptic_agent/device/usb/usb_fault.h"
 
-namespace kerf::agent {
+namespace kerf::agent::endpoints_test {
 namespace {
 
 const InterfaceShape kBulkPair{
@@ -54,4 +54,4 @@ TEST(UsbFaults, TextsContainTheRemedy) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::endpoints_test

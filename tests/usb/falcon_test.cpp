@@ -11,7 +11,7 @@
 #include "tests/usb/model/falcon_model.h"
 #include "tests/usb/rig.h"
 
-namespace kerf::usb_test {
+namespace kerf::usb_test::falcon_test {
 namespace {
 
 using agent::DevicePhase;
@@ -272,4 +272,4 @@ TEST(FalconFirmware, UnreadableFileIsRejected) {
 }
 
 }  // namespace
-}  // namespace kerf::usb_test
+}  // namespace kerf::usb_test::falcon_test

@@ -12,7 +12,7 @@
 #include "tests/usb/model/reference_firmware.h"
 #include "tests/usb/rig.h"
 
-namespace kerf::usb_test {
+namespace kerf::usb_test::faults_test {
 namespace {
 
 using agent::DevicePhase;
@@ -326,4 +326,4 @@ TEST(FaultCodes, MapLibusbErrors) {
 }
 
 }  // namespace
-}  // namespace kerf::usb_test
+}  // namespace kerf::usb_test::faults_test

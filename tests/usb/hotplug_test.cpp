@@ -16,7 +16,7 @@
 #include "tests/usb/model/space_mouse_model.h"
 #include "tests/usb/rig.h"
 
-namespace kerf::usb_test {
+namespace kerf::usb_test::hotplug_test {
 namespace {
 
 using agent::DevicePhase;
@@ -135,4 +135,4 @@ TEST_F(HotPlug, DoctorFindsAndMeasuresTheDevice) {
 }
 
 }  // namespace
-}  // namespace kerf::usb_test
+}  // namespace kerf::usb_test::hotplug_test

@@ -8,7 +8,7 @@
 
 #include "tests/usb/model/reference_firmware.h"
 
-namespace kerf::agent {
+namespace kerf::agent::pen_test {
 namespace {
 
 using usb_test::reach_for;
@@ -173,4 +173,4 @@ TEST(ReferencePen, TorquesAreScaledByOneFactor) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::pen_test

@@ -9,7 +9,7 @@
 #include "tests/usb/model/reference_firmware.h"
 #include "tests/usb/rig.h"
 
-namespace kerf::usb_test {
+namespace kerf::usb_test::reference_device_test {
 namespace {
 
 using agent::DevicePhase;
@@ -224,4 +224,4 @@ TEST_F(ReferenceDevice, AnyEndpointAddressesAreFound) {
 }
 
 }  // namespace
-}  // namespace kerf::usb_test
+}  // namespace kerf::usb_test::reference_device_test

@@ -11,7 +11,7 @@
 #include "haptic_agent/realtime/clock.h"
 #include "tests/usb/model/reference_firmware.h"
 
-namespace kerf::usb_test {
+namespace kerf::usb_test::reference_protocol_test {
 namespace {
 
 using agent::DevicePhase;
@@ -177,4 +177,4 @@ TEST_F(ReferenceProtocolAlone, InconsistentArmsAreRejected) {
 }
 
 }  // namespace
-}  // namespace kerf::usb_test
+}  // namespace kerf::usb_test::reference_protocol_test

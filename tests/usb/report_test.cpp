@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace kerf::agent::reference {
+namespace kerf::agent::reference::report_test {
 namespace {
 
 const StateReport kState{.sequence = 0xFFFE,
@@ -75,4 +75,4 @@ TEST(ReferenceReport, RandomBytesAreRejected) {
 }
 
 }  // namespace
-}  // namespace kerf::agent::reference
+}  // namespace kerf::agent::reference::report_test

@@ -9,7 +9,7 @@
 #include "tests/usb/model/space_mouse_model.h"
 #include "tests/usb/rig.h"
 
-namespace kerf::usb_test {
+namespace kerf::usb_test::space_mouse_test {
 namespace {
 
 using agent::CapDeflection;
@@ -138,4 +138,4 @@ TEST_P(SpaceMouseTest, CutsWhileTheLeftButtonIsPressed) {
 INSTANTIATE_TEST_SUITE_P(BothFormats, SpaceMouseTest, ::testing::Bool());
 
 }  // namespace
-}  // namespace kerf::usb_test
+}  // namespace kerf::usb_test::space_mouse_test

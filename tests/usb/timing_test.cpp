@@ -10,7 +10,7 @@
 #include "tests/usb/model/reference_firmware.h"
 #include "tests/usb/rig.h"
 
-namespace kerf::usb_test {
+namespace kerf::usb_test::timing_test {
 namespace {
 
 namespace ref = agent::reference;
@@ -67,4 +67,4 @@ TEST(UsbTiming, OneSecondAtOneKilohertzThroughLibusb) {
 }
 
 }  // namespace
-}  // namespace kerf::usb_test
+}  // namespace kerf::usb_test::timing_test

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace kerf::wire {
+namespace kerf::wire::codec_test {
 namespace {
 
 MotionBatch motion_batch(std::uint32_t count, std::uint64_t first) {
@@ -204,4 +204,4 @@ TEST(WireFuzz, MutatedFramesAreRejectedOrRoundTrip) {
 }
 
 }  // namespace
-}  // namespace kerf::wire
+}  // namespace kerf::wire::codec_test

@@ -11,7 +11,7 @@
 #include "server/wire/codec.h"
 #include "tests/wire/golden_json.h"
 
-namespace kerf::wire {
+namespace kerf::wire::golden_test {
 namespace {
 
 using nlohmann::json;
@@ -106,4 +106,4 @@ TEST(WireGolden, RejectsEachMalformedFrameWithItsCodeAndOffset) {
 }
 
 }  // namespace
-}  // namespace kerf::wire
+}  // namespace kerf::wire::golden_test

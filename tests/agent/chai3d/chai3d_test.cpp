@@ -12,7 +12,7 @@
 #include "haptic_agent/examples/kerf_chai3d.h"
 #include "tests/agent/link/fake_server.h"
 
-namespace kerf::agent {
+namespace kerf::agent::chai3d_test {
 namespace {
 
 using chai3d::cMatrix3d;
@@ -138,4 +138,4 @@ TEST(Chai3d, DeviceWithoutAPositionIsAbsent) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::chai3d_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace kerf::agent {
+namespace kerf::agent::carving_figure_test {
 namespace {
 
 class FigureInStock : public ::testing::TestWithParam<StockBox> {};
@@ -58,4 +58,4 @@ TEST(CarvingFigure, TiltsTheAxis) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::carving_figure_test

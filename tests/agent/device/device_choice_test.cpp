@@ -7,7 +7,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kerf::agent {
+namespace kerf::agent::device_choice_test {
 namespace {
 
 TEST(DeviceChoice, SimWithoutFileUsesTheCarvingFigure) {
@@ -55,4 +55,4 @@ TEST(DeviceChoice, InvalidTextIsRejected) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::device_choice_test

@@ -23,7 +23,7 @@
 #include "server/wire/types.h"
 #include "tests/support/eventually.h"
 
-namespace kerf::agent {
+namespace kerf::agent::gamepad_test {
 namespace {
 
 using test::eventually;
@@ -361,7 +361,7 @@ TEST(GamepadChoice, NamesTheNodeOrNone) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::gamepad_test
 
 extern "C" int ioctl(int fd, unsigned long request, ...) {
   va_list arguments;

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace kerf::agent {
+namespace kerf::agent::path_cursor_test {
 namespace {
 
 const PoseScript kCorner = {
@@ -73,4 +73,4 @@ TEST(PathCursor, SinglePoseEndsImmediately) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::path_cursor_test

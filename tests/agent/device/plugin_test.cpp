@@ -10,7 +10,7 @@
 #include "server/wire/types.h"
 #include "tests/agent/device/fake_plugin.h"
 
-namespace kerf::agent {
+namespace kerf::agent::plugin_test {
 namespace {
 
 constexpr StockBox kStock{{0, 0, -20}, {40, 30, 0}};
@@ -198,4 +198,4 @@ TEST_F(PluginTest, IsChosenOnTheCommandLine) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::plugin_test

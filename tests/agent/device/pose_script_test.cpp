@@ -8,7 +8,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kerf::agent {
+namespace kerf::agent::pose_script_test {
 namespace {
 
 PoseScript apt(const std::string& text) {
@@ -146,4 +146,4 @@ TEST(LoadScript, ReportsFileErrors) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::pose_script_test

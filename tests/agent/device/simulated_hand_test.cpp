@@ -9,7 +9,7 @@
 #include "haptic_agent/device/replay.h"
 #include "server/wire/types.h"
 
-namespace kerf::agent {
+namespace kerf::agent::simulated_hand_test {
 namespace {
 
 const PoseScript kLine = {{.time_s = 0, .tip_mm = {0, 0, 0}, .cutting = false},
@@ -132,4 +132,4 @@ TEST(Replay, PlaysPosesAtTheirTimesRegardlessOfForce) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::simulated_hand_test

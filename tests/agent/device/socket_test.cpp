@@ -19,7 +19,7 @@
 #include "haptic_agent/device/socket/socket_device.h"
 #include "server/wire/types.h"
 
-namespace kerf::agent {
+namespace kerf::agent::socket_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -397,4 +397,4 @@ TEST_F(SocketDeviceTest, UnusableProcessesAreReported) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::socket_test

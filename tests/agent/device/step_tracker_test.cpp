@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-namespace kerf::agent {
+namespace kerf::agent::step_tracker_test {
 namespace {
 
 constexpr double kTickS = 0.001;
@@ -138,4 +138,4 @@ TEST(StepTracker, AReversalIsSeenAtTheSameStep) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::step_tracker_test

@@ -15,7 +15,7 @@
 #include "haptic_agent/servo/servo_cycle.h"
 #include "haptic_agent/z_width.h"
 
-namespace kerf::agent {
+namespace kerf::agent::identify_test {
 namespace {
 
 /// The properties that an identification has to find.
@@ -309,4 +309,4 @@ TEST(ZWidth, StatesWhyTheDeclaredStiffnessIsNotRendered) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::identify_test

@@ -12,7 +12,7 @@
 #include "haptic_agent/servo/mapping/block_settings.h"
 #include "tests/agent/servo/late_spring.h"
 
-namespace kerf::agent {
+namespace kerf::agent::guide_model_test {
 namespace {
 
 constexpr double kPivotMm = 50;
@@ -329,4 +329,4 @@ TEST(GuideModel, ReadsTheGuidesOfAWelcome) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::guide_model_test

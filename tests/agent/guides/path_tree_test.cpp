@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-namespace kerf::agent {
+namespace kerf::agent::path_tree_test {
 namespace {
 
 double distance_to(const GuidePath& path, Vec3 p) {
@@ -76,4 +76,4 @@ TEST(PathTree, InterpolatesAxisAndForceAlongASegment) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::path_tree_test

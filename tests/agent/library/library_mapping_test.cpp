@@ -5,7 +5,7 @@
 
 #include "tests/agent/library/library_rig.h"
 
-namespace kerf::agent {
+namespace kerf::agent::library_mapping_test {
 namespace {
 
 class LibraryMappingTest : public LibraryTest {
@@ -104,4 +104,4 @@ TEST_F(LibraryMappingTest, ClutchHoldsTheToolWithoutForce) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::library_mapping_test

@@ -4,7 +4,7 @@
 
 #include "tests/agent/library/library_rig.h"
 
-namespace kerf::agent {
+namespace kerf::agent::library_safety_test {
 namespace {
 
 TEST_F(LibraryTest, DeviceWithADeadmanSensorFeelsNothingUntilHeld) {
@@ -157,4 +157,4 @@ TEST_F(LibraryTest, CallersWithAnOlderHeaderGetItsStatusFields) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::library_safety_test

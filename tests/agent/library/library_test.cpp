@@ -6,7 +6,7 @@
 
 #include "tests/agent/library/library_rig.h"
 
-namespace kerf::agent {
+namespace kerf::agent::library_test {
 namespace {
 
 TEST(LibraryInterface, ReportsItsVersionAndTexts) {
@@ -258,4 +258,4 @@ TEST_F(LibraryTest, StopEndsTheLoopAndALostServerToo) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::library_test

@@ -9,7 +9,7 @@
 #include "haptic_agent/link/control_message.h"
 #include "haptic_agent/link/traffic.h"
 
-namespace kerf::agent {
+namespace kerf::agent::declined_test {
 namespace {
 
 TEST(Declined, OnlyClientErrorsAreFinal) {
@@ -56,4 +56,4 @@ TEST(Shortened, EndsBetweenCharacters) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::declined_test

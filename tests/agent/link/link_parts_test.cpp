@@ -15,7 +15,7 @@
 #include "server/wire/codec.h"
 #include "tests/agent/link/fake_server.h"
 
-namespace kerf::agent {
+namespace kerf::agent::link_parts_test {
 namespace {
 
 TEST(ServerUrl, ReadsHostAndPort) {
@@ -368,4 +368,4 @@ TEST(ClockSync, ShortestRoundTripGivesTheOffset) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::link_parts_test

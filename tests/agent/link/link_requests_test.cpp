@@ -11,7 +11,7 @@
 #include "haptic_agent/link/server_link.h"
 #include "tests/agent/link/fake_server.h"
 
-namespace kerf::agent {
+namespace kerf::agent::link_requests_test {
 namespace {
 
 /// Waits until the flag is set. The limit only ends a failed test.
@@ -67,4 +67,4 @@ TEST(LinkRequests, RequestIsDroppedWithTheConnection) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::link_requests_test

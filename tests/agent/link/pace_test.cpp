@@ -14,7 +14,7 @@
 #include "server/session/rate_limit.h"
 #include "server/session/session_limits.h"
 
-namespace kerf::agent {
+namespace kerf::agent::pace_test {
 namespace {
 
 TEST(Pace, SendsABacklogSlightlyFasterThanItGrows) {
@@ -134,4 +134,4 @@ TEST(Pace, KeepsBelowTheLimitOfASessionHoweverLateItsSamplesArrive) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::pace_test

@@ -25,7 +25,7 @@
 #include "tests/server/session_fixture.h"
 #include "tests/server/store/faulty_disk.h"
 
-namespace kerf::agent {
+namespace kerf::agent::resume_property_test {
 namespace {
 
 /// The session to which the agents connect, while the server runs, and the simulated clock.
@@ -346,4 +346,4 @@ TEST_F(ResumeProperty, EachSampleIsCutOnceThroughAnyNumberOfServerKills) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::resume_property_test

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace kerf::agent {
+namespace kerf::agent::sample_queue_test {
 namespace {
 
 /// A path that bends at every sample, so that none may be merged.
@@ -265,4 +265,4 @@ TEST(SampleQueue, OldestUnansweredSamplesAreDroppedWhenFull) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::sample_queue_test

@@ -12,7 +12,7 @@
 
 #include "tests/agent/link/fake_server.h"
 
-namespace kerf::agent {
+namespace kerf::agent::server_link_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -392,4 +392,4 @@ TEST_F(ServerLinkTest, SilentServerEndsTheForce) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::server_link_test

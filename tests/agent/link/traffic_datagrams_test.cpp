@@ -11,7 +11,7 @@
 #include "server/datagram/layout.h"
 #include "server/wire/codec.h"
 
-namespace kerf::agent {
+namespace kerf::agent::traffic_datagrams_test {
 namespace {
 
 constexpr std::uint64_t kRttUs = 10'000;
@@ -379,4 +379,4 @@ TEST_F(TrafficDatagrams, NewConnectionStartsOnTheWebSocket) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::traffic_datagrams_test

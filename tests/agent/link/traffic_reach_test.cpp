@@ -9,7 +9,7 @@
 #include "haptic_agent/link/traffic.h"
 #include "tests/agent/link/fake_server.h"
 
-namespace kerf::agent {
+namespace kerf::agent::traffic_reach_test {
 namespace {
 
 TEST(Control, ReachIsSentIfTheServerAcceptsIt) {
@@ -80,4 +80,4 @@ TEST(TrafficReach, IsSentAtMostTenTimesPerSecondIncludingTheLastChange) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::traffic_reach_test

@@ -23,7 +23,7 @@
 #include "server/wire/codec.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf::agent {
+namespace kerf::agent::transport_property_test {
 namespace {
 
 using Frame = std::vector<std::byte>;
@@ -281,4 +281,4 @@ TEST_F(TransportProperty, EachSampleIsAppliedOnceAndInOrder) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::transport_property_test

@@ -18,7 +18,7 @@
 #include "tests/support/eventually.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf::agent {
+namespace kerf::agent::udp_carve_test {
 namespace {
 
 using test::eventually;
@@ -249,4 +249,4 @@ TEST_F(UdpCarve, ToolChangeStaysInOrderWithTheSamples) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::udp_carve_test

@@ -8,7 +8,7 @@
 
 #include "haptic_agent/realtime/clock.h"
 
-namespace kerf::agent {
+namespace kerf::agent::alarm_test {
 namespace {
 
 constexpr std::uint64_t kNsPerMs = 1'000'000;
@@ -52,4 +52,4 @@ TEST(Alarm, EndsTheWaitOfAnotherThread) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::alarm_test

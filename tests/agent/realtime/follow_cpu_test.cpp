@@ -6,7 +6,7 @@
 
 #include <thread>
 
-namespace kerf::agent {
+namespace kerf::agent::follow_cpu_test {
 namespace {
 
 constexpr std::uint64_t kMs = 1'000'000;
@@ -151,4 +151,4 @@ TEST_F(FollowCpuTest, ForbiddenProcessorIsNotFollowed) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::follow_cpu_test

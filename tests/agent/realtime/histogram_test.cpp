@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf::agent {
+namespace kerf::agent::histogram_test {
 namespace {
 
 TEST(Histogram, IsInitiallyEmpty) {
@@ -46,4 +46,4 @@ TEST(Histogram, TailQuantilesAreExact) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::histogram_test

@@ -9,7 +9,7 @@
 
 #include "haptic_agent/servo/sample_ring.h"
 
-namespace kerf::agent {
+namespace kerf::agent::latest_value_test {
 namespace {
 
 struct Triple {
@@ -86,4 +86,4 @@ TEST(SampleRing, TransfersEverySampleBetweenThreads) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::latest_value_test

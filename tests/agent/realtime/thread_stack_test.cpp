@@ -6,7 +6,7 @@
 
 #include "haptic_agent/realtime/realtime_thread.h"
 
-namespace kerf::agent {
+namespace kerf::agent::thread_stack_test {
 namespace {
 
 std::size_t stack_of_a_new_thread() {
@@ -31,4 +31,4 @@ TEST(ThreadStacks, LaterThreadsGetALimitedStack) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::thread_stack_test

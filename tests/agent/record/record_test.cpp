@@ -21,7 +21,7 @@
 #include "server/wire/types.h"
 #include "tests/support/eventually.h"
 
-namespace kerf::agent {
+namespace kerf::agent::record_test {
 namespace {
 
 /// A file in a folder for this test.
@@ -392,4 +392,4 @@ TEST_F(RecordTest, RecordingWithoutStockAndPivotIsNotPlayed) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::record_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf::agent {
+namespace kerf::agent::agreement_test {
 namespace {
 
 TEST(Agreement, ReportsAPersistentDifference) {
@@ -85,4 +85,4 @@ TEST(Agreement, IgnoresABatchTheReplicaAnsweredPartially) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::agreement_test

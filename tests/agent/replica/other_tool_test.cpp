@@ -14,7 +14,7 @@
 #include "server/wire/codec.h"
 #include "tests/agent/replica/intent_side.h"
 
-namespace kerf::agent {
+namespace kerf::agent::other_tool_test {
 namespace {
 
 Vec3 circle(int n) { return {8 * std::cos(0.005 * n), 8 * std::sin(0.005 * n), -2}; }
@@ -177,4 +177,4 @@ TEST(ReplicaThread, PassesStockAndIntentFramesToTheReplica) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::other_tool_test

@@ -8,7 +8,7 @@
 #include "kernel/tool/tool_bounds.h"
 #include "tests/agent/replica/intent_side.h"
 
-namespace kerf::agent {
+namespace kerf::agent::other_tools_test {
 namespace {
 
 /// How a tool of another participant ends that has cut until the sample kEnd.
@@ -178,4 +178,4 @@ TEST(OtherTools, PathIsCutAgainIfOffByATenthOfThePitch) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::other_tools_test

@@ -15,7 +15,7 @@
 #include "tests/server/undo_fixture.h"
 #include "web/wasm/page_block.h"
 
-namespace kerf {
+namespace kerf::page_strokes_test {
 namespace {
 
 using page::ChangedTile;
@@ -297,4 +297,4 @@ TEST_P(PageStrokes, LargeBlockIsDisplayedAroundTheCut) {
 INSTANTIATE_TEST_SUITE_P(Rays, PageStrokes, testing::Values("dexel", "tri-dexel"));
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::page_strokes_test

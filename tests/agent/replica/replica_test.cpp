@@ -13,7 +13,7 @@
 #include "tests/agent/replica/equal_near.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf {
+namespace kerf::replica_test {
 namespace {
 
 using agent::Agreement;
@@ -362,4 +362,4 @@ TEST_F(SessionTest, IncompleteWelcomeIsRejected) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::replica_test

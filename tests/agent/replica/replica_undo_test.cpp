@@ -11,7 +11,7 @@
 #include "tests/agent/replica/equal_near.h"
 #include "tests/server/undo_fixture.h"
 
-namespace kerf {
+namespace kerf::replica_undo_test {
 namespace {
 
 using agent::BlockSource;
@@ -273,4 +273,4 @@ TEST_P(ReplicaUndo, UndoCoversItsCutsInUnknownTiles) {
 INSTANTIATE_TEST_SUITE_P(Rays, ReplicaUndo, testing::Values("dexel", "tri-dexel"));
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::replica_undo_test

@@ -38,7 +38,7 @@ void operator delete[](void* memory) noexcept { counted_free(memory); }
 void operator delete(void* memory, std::size_t /*bytes*/) noexcept { counted_free(memory); }
 void operator delete[](void* memory, std::size_t /*bytes*/) noexcept { counted_free(memory); }
 
-namespace kerf::agent {
+namespace kerf::agent::allocation_test {
 namespace {
 
 /// Until then the hand rests without force, so that the supervisor permits forces.
@@ -148,4 +148,4 @@ TEST(Allocation, DoesNotHappenInATick) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::allocation_test

@@ -6,7 +6,7 @@
 
 #include "haptic_agent/servo/servo_cycle.h"
 
-namespace kerf::agent {
+namespace kerf::agent::buttons_test {
 namespace {
 
 constexpr std::uint64_t kMs = 1000;
@@ -145,4 +145,4 @@ TEST_F(Buttons, TheGestureRearmsADeviceWithoutAButton) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::buttons_test

@@ -9,7 +9,7 @@
 
 #include "tests/agent/servo/late_spring.h"
 
-namespace kerf::agent {
+namespace kerf::agent::contact_limits_test {
 namespace {
 
 /// Limits of a mass on a loop, with dampers of at most `max_damping`, N s/mm.
@@ -82,4 +82,4 @@ TEST(ContactLimits, LightTipGetsAShorterFilter) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::contact_limits_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace kerf::agent {
+namespace kerf::agent::cut_coupling_test {
 namespace {
 
 constexpr double kTickS = 0.001;
@@ -271,4 +271,4 @@ TEST(CutCoupling, NextCutForgetsTremblingOfASecondAgo) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::cut_coupling_test

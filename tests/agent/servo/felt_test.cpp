@@ -7,7 +7,7 @@
 
 #include "haptic_agent/servo/servo_cycle.h"
 
-namespace kerf::agent {
+namespace kerf::agent::felt_test {
 namespace {
 
 constexpr double kPivotMm = 50;
@@ -125,4 +125,4 @@ TEST_F(FeltTest, DeviceWithoutMotorsReportsNoShare) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::felt_test

@@ -3,7 +3,7 @@
 
 #include "haptic_agent/servo/servo_cycle.h"
 
-namespace kerf::agent {
+namespace kerf::agent::heard_cut_test {
 namespace {
 
 /// A tool that moves at 20 mm/s while the cutting button is pressed.
@@ -83,4 +83,4 @@ INSTANTIATE_TEST_SUITE_P(Modes, HeardCutTest,
                          ::testing::Values(ForceMode::kModel, ForceMode::kHold));
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::heard_cut_test

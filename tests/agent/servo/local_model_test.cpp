@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-namespace kerf::agent {
+namespace kerf::agent::local_model_test {
 namespace {
 
 constexpr double kDt = 0.001;
@@ -347,4 +347,4 @@ TEST(GripHistory, FindsTheNewestGripNotLater) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::local_model_test

@@ -5,7 +5,7 @@
 
 #include "tests/agent/servo/supervisor_rig.h"
 
-namespace kerf::agent {
+namespace kerf::agent::lost_ticks_test {
 namespace {
 
 class LostTicksTest : public SupervisorTest {
@@ -77,4 +77,4 @@ TEST_F(LostTicksTest, TicksLostWithoutAForceDoNotCount) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::lost_ticks_test

@@ -11,7 +11,7 @@
 #include "haptic_agent/servo/servo_cycle.h"
 #include "tests/agent/stability/plant.h"
 
-namespace kerf::agent {
+namespace kerf::agent::mapped_servo_test {
 namespace {
 
 class NoListener final : public SampleListener {
@@ -322,4 +322,4 @@ TEST_F(MappedServoTest, ReportsTheWorkspaceAtTheStartAndAfterTheClutch) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::mapped_servo_test

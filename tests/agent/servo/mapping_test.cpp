@@ -9,7 +9,7 @@
 #include "haptic_agent/servo/mapping/hand_mapping.h"
 #include "haptic_agent/servo/servo_cycle.h"
 
-namespace kerf::agent {
+namespace kerf::agent::mapping_test {
 namespace {
 
 constexpr double kPivotMm = 60;
@@ -287,4 +287,4 @@ TEST(HandMapping, InvalidPosesDoNotChangeIt) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::mapping_test

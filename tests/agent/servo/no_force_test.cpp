@@ -8,7 +8,7 @@
 #include "haptic_agent/force_watch.h"
 #include "tests/agent/servo/supervisor_rig.h"
 
-namespace kerf::agent {
+namespace kerf::agent::no_force_test {
 namespace {
 
 class NoForceTest : public SupervisorTest {
@@ -146,4 +146,4 @@ TEST_F(ForceWatchTest, ReportsTheEndOfATripButNotTheTrip) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::no_force_test

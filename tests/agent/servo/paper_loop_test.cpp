@@ -7,7 +7,7 @@
 
 #include "haptic_agent/servo/servo_cycle.h"
 
-namespace kerf::agent {
+namespace kerf::agent::paper_loop_test {
 namespace {
 
 constexpr std::uint64_t kTickUs = 1000;
@@ -128,4 +128,4 @@ TEST(PaperLoop, CycleInModePaperShowsTheReplicasForceOneUpdateLate) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::paper_loop_test

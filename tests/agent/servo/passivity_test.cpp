@@ -8,7 +8,7 @@
 
 #include "tests/agent/servo/adversary.h"
 
-namespace kerf::agent {
+namespace kerf::agent::passivity_test {
 namespace {
 
 constexpr std::uint64_t kStartUs = 1'000'000, kTickUs = 1000;
@@ -173,4 +173,4 @@ TEST(PassivityProperty, RotationOfALightPenIsBoundedByItsCharge) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::passivity_test

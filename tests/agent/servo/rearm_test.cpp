@@ -5,7 +5,7 @@
 
 #include "tests/agent/servo/supervisor_rig.h"
 
-namespace kerf::agent {
+namespace kerf::agent::rearm_test {
 namespace {
 
 class RearmTest : public SupervisorTest {
@@ -172,4 +172,4 @@ TEST_F(RearmTest, DeviceOutsideItsWorkspaceDoesNotArm) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::rearm_test

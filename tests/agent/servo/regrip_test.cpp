@@ -6,7 +6,7 @@
 #include "haptic_agent/device/simulated_hand.h"
 #include "haptic_agent/servo/servo_cycle.h"
 
-namespace kerf::agent {
+namespace kerf::agent::regrip_test {
 namespace {
 
 constexpr std::uint64_t kMs = 1000;
@@ -114,4 +114,4 @@ TEST(Regrip, TriesAgainLater) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::regrip_test

@@ -10,7 +10,7 @@
 #include "haptic_agent/servo/servo_cycle.h"
 #include "haptic_agent/servo/watchdog.h"
 
-namespace kerf::agent {
+namespace kerf::agent::safety_test {
 namespace {
 
 constexpr std::uint64_t kMs = 1000;
@@ -351,4 +351,4 @@ TEST(ServoLoop, PostponesTheAlarmUntilTheHeartbeatIsStale) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::safety_test

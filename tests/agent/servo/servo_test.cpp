@@ -9,7 +9,7 @@
 #include "haptic_agent/servo/servo_cycle.h"
 #include "haptic_agent/servo/servo_loop.h"
 
-namespace kerf::agent {
+namespace kerf::agent::servo_test {
 namespace {
 
 constexpr std::uint64_t kMs = 1'000'000;
@@ -397,4 +397,4 @@ TEST_F(ServoCycleTest, EndsAfterTheDevicesLastPose) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::servo_test

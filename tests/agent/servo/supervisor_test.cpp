@@ -3,7 +3,7 @@
 
 #include "tests/agent/servo/supervisor_rig.h"
 
-namespace kerf::agent {
+namespace kerf::agent::supervisor_test {
 namespace {
 
 TEST_F(SupervisorTest, OnlyTheSessionsForcePreventsArmingNotTheGuides) {
@@ -220,4 +220,4 @@ TEST(SupervisorWithoutMotors, NeverLimitsAndNeverTrips) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::supervisor_test

@@ -9,7 +9,7 @@
 #include "haptic_agent/servo/wrench_interpolator.h"
 #include "haptic_agent/servo/wrench_limiter.h"
 
-namespace kerf::agent {
+namespace kerf::agent::wrench_test {
 namespace {
 
 Wrench force(double x, double y = 0, double z = 0) {
@@ -156,4 +156,4 @@ TEST(WrenchLimits, AreAShareOfTheDevicesMaximum) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::wrench_test

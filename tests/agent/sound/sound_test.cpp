@@ -17,7 +17,7 @@
 
 #include "haptic_agent/sound/sound_player.h"
 
-namespace kerf::agent {
+namespace kerf::agent::sound_test {
 namespace {
 
 constexpr Spindle kSpindle{.rpm = 18000, .teeth = 3};
@@ -215,4 +215,4 @@ TEST(SoundCard, ErrorNamesTheMissingPart) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::sound_test

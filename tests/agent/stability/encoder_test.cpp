@@ -7,7 +7,7 @@
 #include "tests/agent/stability/encoder_cut.h"
 #include "tests/agent/stability/stroke_cut.h"
 
-namespace kerf::agent {
+namespace kerf::agent::encoder_test {
 namespace {
 
 void expect_felt(const EncoderCut& cut) {
@@ -58,4 +58,4 @@ TEST(Strokes, PeckingIsFeltAsComputed) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::encoder_test

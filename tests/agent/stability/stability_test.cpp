@@ -12,7 +12,7 @@
 #include "tests/agent/stability/shipped_scenes.h"
 #include "tests/agent/stability/surround.h"
 
-namespace kerf::agent {
+namespace kerf::agent::stability_test {
 namespace {
 
 TEST(Stability, ModelIsStableUpTo250MsRoundTrip) {
@@ -284,4 +284,4 @@ TEST(ShippedScenes, PlungesAreFeltAsComputed) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::stability_test

@@ -16,7 +16,7 @@
 
 #include "tests/support/eventually.h"
 
-namespace kerf::agent {
+namespace kerf::agent::study_test {
 namespace {
 
 using State = TrialRun::State;
@@ -224,4 +224,4 @@ TEST(Study, PrintsSmallProbabilitiesInPlainDecimals) {
 }
 
 }  // namespace
-}  // namespace kerf::agent
+}  // namespace kerf::agent::study_test

@@ -7,7 +7,7 @@
 #include "server/formats/model/model_writer.h"
 #include "tests/support/carvings.h"
 
-namespace kerf {
+namespace kerf::coarse_coordinates_test {
 namespace {
 
 constexpr const char* kOption = "--model-translate";
@@ -72,4 +72,4 @@ TEST(CoarseCoordinates, ReportAStepSmallerThanATriangle) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::coarse_coordinates_test

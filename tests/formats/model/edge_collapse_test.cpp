@@ -11,7 +11,7 @@
 #include "server/formats/model/mesh_crossings.h"
 #include "tests/formats/model/carved_mesh.h"
 
-namespace kerf {
+namespace kerf::edge_collapse_test {
 namespace {
 
 using test::carved_mesh;
@@ -127,4 +127,4 @@ TEST(EdgeCollapse, EndsWhenAStopIsRequested) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::edge_collapse_test

@@ -9,7 +9,7 @@
 #include "tests/support/extreme_block.h"
 #include "tests/support/model_files.h"
 
-namespace kerf {
+namespace kerf::extreme_model_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -90,4 +90,4 @@ TEST(ExtremeModel, RandomProportionsAreWrittenInEveryFormat) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::extreme_model_test

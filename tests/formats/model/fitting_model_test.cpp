@@ -9,7 +9,7 @@
 #include "tests/formats/model/carved_mesh.h"
 #include "tests/support/model_files.h"
 
-namespace kerf {
+namespace kerf::fitting_model_test {
 namespace {
 
 class FittingModelTest : public ::testing::Test {
@@ -70,4 +70,4 @@ TEST_F(FittingModelTest, FirstSufficientToleranceIsUsed) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::fitting_model_test

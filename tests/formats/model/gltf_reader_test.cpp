@@ -7,7 +7,7 @@
 
 #include "server/formats/model/mesh_reader.h"
 
-namespace kerf {
+namespace kerf::gltf_reader_test {
 namespace {
 
 using testing::ElementsAre;
@@ -284,4 +284,4 @@ TEST(GltfReader, RejectsInvalidFilesWithTheReason) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::gltf_reader_test

@@ -9,7 +9,7 @@
 #include "server/formats/model/triangle_pair.h"
 #include "tests/support/exact_sign.h"
 
-namespace kerf {
+namespace kerf::mesh_crossings_test {
 namespace {
 
 /// Small integers, so that corners coincide and touch sides and planes. Some triangles are moved by
@@ -65,4 +65,4 @@ TEST(CrossingTriangles, IntersectOutsideCommonCorners) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesh_crossings_test

@@ -12,7 +12,7 @@
 #include "tests/support/carvings.h"
 #include "tests/support/model_files.h"
 
-namespace kerf {
+namespace kerf::mesh_reader_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -335,4 +335,4 @@ TEST(MeshReader, RejectsDamagedFilesWithoutCrashing) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesh_reader_test

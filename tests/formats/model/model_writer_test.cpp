@@ -15,7 +15,7 @@
 #include "tests/support/model_files.h"
 #include "tests/support/thread_workers.h"
 
-namespace kerf {
+namespace kerf::model_writer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -381,4 +381,4 @@ TEST(VertexWelder, ForgetsVerticesWithAClosedFan) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::model_writer_test

@@ -12,7 +12,7 @@
 #include "kernel/sculpture.h"
 #include "server/formats/model/mesh_placement.h"
 
-namespace kerf {
+namespace kerf::repair_mesh_test {
 namespace {
 
 using testing::HasSubstr;
@@ -241,4 +241,4 @@ TEST(PlaceMesh, ScalesThenTurnsThenMoves) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::repair_mesh_test

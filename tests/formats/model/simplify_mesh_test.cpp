@@ -9,7 +9,7 @@
 #include "tests/formats/model/carved_mesh.h"
 #include "tests/support/self_intersection.h"
 
-namespace kerf {
+namespace kerf::simplify_mesh_test {
 namespace {
 
 using test::carved_block;
@@ -199,4 +199,4 @@ TEST(MeshDistance, MatchesBruteForceOverAllTriangles) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::simplify_mesh_test

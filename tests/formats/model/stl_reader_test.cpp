@@ -13,7 +13,7 @@
 #include "server/formats/model/model_writer.h"
 #include "tests/support/carvings.h"
 
-namespace kerf {
+namespace kerf::stl_reader_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -153,4 +153,4 @@ TEST(StlReader, ReportsTheLineOfAnAsciiError) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::stl_reader_test

@@ -5,7 +5,7 @@
 #include "server/formats/model/mesh_reader.h"
 #include "tests/support/zip_files.h"
 
-namespace kerf {
+namespace kerf::threemf_reader_test {
 namespace {
 
 using testing::ElementsAre;
@@ -165,4 +165,4 @@ TEST(ThreemfReader, RejectsExcessiveMemory) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::threemf_reader_test

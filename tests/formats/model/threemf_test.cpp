@@ -8,7 +8,7 @@
 #include "tests/support/carvings.h"
 #include "tests/support/model_files.h"
 
-namespace kerf {
+namespace kerf::threemf_test {
 namespace {
 
 using test::ReadModel;
@@ -132,4 +132,4 @@ TEST(ThreemfWriter, EmptyModelIsAValidPackage) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::threemf_test

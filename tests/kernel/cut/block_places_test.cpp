@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace kerf {
+namespace kerf::block_places_test {
 namespace {
 
 TEST(BlockPlaces, StockReachesFromTheLowestElementToTheTop) {
@@ -35,4 +35,4 @@ TEST(BlockPlaces, StockReachesFromTheLowestElementToTheTop) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::block_places_test

@@ -9,7 +9,7 @@
 
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::cut_test {
 namespace {
 
 const Vec3 kUp{0, 0, 1};
@@ -257,4 +257,4 @@ TEST(Cut, CylinderStockIsRound) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cut_test

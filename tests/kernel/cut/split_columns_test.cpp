@@ -13,7 +13,7 @@
 
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::split_columns_test {
 namespace {
 
 constexpr double kSideMm = 12, kHeightMm = 20;
@@ -118,4 +118,4 @@ TEST(SplitColumns, LoseTheIntervalsOfWholeColumns) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::split_columns_test

@@ -9,7 +9,7 @@
 #include "kernel/sculpture.h"
 #include "tests/support/thread_workers.h"
 
-namespace kerf {
+namespace kerf::threads_test {
 namespace {
 
 const Vec3 kUp{0, 0, 1};
@@ -100,4 +100,4 @@ TEST(Threads, ShortMotionRunsOnTheCallingThread) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::threads_test

@@ -8,7 +8,7 @@
 
 #include "kernel/dexel/dexel_tile.h"
 
-namespace kerf {
+namespace kerf::common_solid_test {
 namespace {
 
 constexpr std::int32_t kHeight = 40;
@@ -91,4 +91,4 @@ TEST(CommonSolid, EndsKeepTheNormalsOfTheirTiles) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::common_solid_test

@@ -12,7 +12,7 @@
 
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::dexel_field_test {
 namespace {
 
 const Vec3 kUp{0, 0, 1};
@@ -237,4 +237,4 @@ TEST(Field, CarvingIsInvariantUnderTranslation) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::dexel_field_test

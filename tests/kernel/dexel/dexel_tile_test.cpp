@@ -7,7 +7,7 @@
 #include <map>
 #include <random>
 
-namespace kerf {
+namespace kerf::dexel_tile_test {
 namespace {
 
 /// Returns `count` elements with gaps between them, which depend on the seed.
@@ -99,4 +99,4 @@ TEST(DexelTile, BlockTopsAreTheGreatestTops) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::dexel_tile_test

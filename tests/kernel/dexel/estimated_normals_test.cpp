@@ -9,7 +9,7 @@
 #include "kernel/dexel/dexel_tile.h"
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::estimated_normals_test {
 namespace {
 
 constexpr double kPitchMm = 0.25;
@@ -88,4 +88,4 @@ TEST(EstimatedNormals, LeaveWallsAndOwnCutsUnchanged) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::estimated_normals_test

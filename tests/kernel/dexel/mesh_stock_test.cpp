@@ -12,7 +12,7 @@
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::mesh_stock_test {
 namespace {
 
 TriangleMesh box_mesh(Vec3 low, Vec3 high) {
@@ -238,4 +238,4 @@ TEST(MeshStock, OpenMeshIsRejectedWithCountsAndPosition) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::mesh_stock_test

@@ -9,7 +9,7 @@
 #include "kernel/dexel/column_shares.h"
 #include "kernel/dexel/dexel_tile.h"
 
-namespace kerf {
+namespace kerf::stock_column_test {
 namespace {
 
 constexpr std::array kAxes{RayAxis::kX, RayAxis::kY, RayAxis::kZ};
@@ -113,4 +113,4 @@ TEST(Stock, FilledTileEqualsStockColumns) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::stock_column_test

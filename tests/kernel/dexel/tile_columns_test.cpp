@@ -12,7 +12,7 @@
 #include "kernel/sculpture.h"
 #include "kernel/tool/tool_bounds.h"
 
-namespace kerf {
+namespace kerf::tile_columns_test {
 namespace {
 
 Sculpture block(Rays rays) {
@@ -153,4 +153,4 @@ TEST(ToolBounds, ContainTheWholeToolAtAnyTilt) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tile_columns_test

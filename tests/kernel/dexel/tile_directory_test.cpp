@@ -8,7 +8,7 @@
 
 #include "kernel/dexel/dexel_tile.h"
 
-namespace kerf {
+namespace kerf::tile_directory_test {
 namespace {
 
 DexelTile* put(TileDirectory& directory, TileIndex at, std::uint64_t era) {
@@ -69,4 +69,4 @@ TEST(TileDirectory, UntouchedTenMeterBlockTakesKilobytes) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tile_directory_test

@@ -14,7 +14,7 @@
 #include "tests/support/standard_job.h"
 #include "tests/support/swept_oracle.h"
 
-namespace kerf {
+namespace kerf::tri_dexel_property_test {
 namespace {
 
 constexpr std::array kAxes{RayAxis::kX, RayAxis::kY, RayAxis::kZ};
@@ -226,4 +226,4 @@ TEST(TriDexelStandardJob, RemovedVolumeIsExactToHalfAPitchOfGrazedArea) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tri_dexel_property_test

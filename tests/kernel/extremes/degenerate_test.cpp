@@ -11,7 +11,7 @@
 
 #include "tests/kernel/extremes/carving.h"
 
-namespace kerf::test {
+namespace kerf::test::degenerate_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -355,4 +355,4 @@ TEST(Degenerate, ConeAnglesNearZeroAndNear90Degrees) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::degenerate_test

@@ -11,7 +11,7 @@
 
 #include "tests/kernel/extremes/carving.h"
 
-namespace kerf::test {
+namespace kerf::test::five_axis_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -325,4 +325,4 @@ TEST(FiveAxis, OnlyTurningBallsOvercut) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::five_axis_test

@@ -9,7 +9,7 @@
 
 #include "tests/kernel/extremes/carving.h"
 
-namespace kerf::test {
+namespace kerf::test::invariant_test {
 namespace {
 
 using Random = std::mt19937_64;
@@ -329,4 +329,4 @@ TEST(Invariant, ThreeFieldsHoldTheSameSolid) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::invariant_test

@@ -10,7 +10,7 @@
 
 #include "tests/kernel/extremes/carving.h"
 
-namespace kerf::test {
+namespace kerf::test::range_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -235,4 +235,4 @@ TEST(Range, RepeatedCutsOfAPathDoNotDrift) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::range_test

@@ -10,7 +10,7 @@
 
 #include "tests/kernel/extremes/carving.h"
 
-namespace kerf::test {
+namespace kerf::test::rejection_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -199,4 +199,4 @@ TEST(Rejection, MotionsThatNeedTooManySubMotions) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::rejection_test

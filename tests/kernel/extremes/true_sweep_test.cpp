@@ -9,7 +9,7 @@
 
 #include "tests/kernel/extremes/carving.h"
 
-namespace kerf::test {
+namespace kerf::test::true_sweep_test {
 namespace {
 
 constexpr Vec3 kUp{0, 0, 1};
@@ -79,4 +79,4 @@ TEST(Carving, DetectsASliverBetweenTwoPiecesOfATool) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::true_sweep_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace kerf {
+namespace kerf::body_contact_test {
 namespace {
 
 constexpr double kStiffness = 3;
@@ -94,4 +94,4 @@ TEST(BodyContact, RepeatedQueriesReturnEqualShares) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::body_contact_test

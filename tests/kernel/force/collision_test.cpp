@@ -8,7 +8,7 @@
 #include "kernel/force/signed_distance.h"
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::collision_test {
 namespace {
 
 const Vec3 kUp{0, 0, 1};
@@ -174,4 +174,4 @@ TEST(Collision, IsAddedToTheCuttingForceOfAMotion) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::collision_test

@@ -13,7 +13,7 @@
 
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::constant_engagement_test {
 namespace {
 
 const Vec3 kUp{0, 0, 1};
@@ -236,4 +236,4 @@ TEST(ForceDirection, IsContinuousBetweenKindsOfMotion) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::constant_engagement_test

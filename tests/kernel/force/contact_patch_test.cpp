@@ -9,7 +9,7 @@
 
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::contact_patch_test {
 namespace {
 
 const Vec3 kUp{0, 0, 1};
@@ -102,4 +102,4 @@ TEST(ContactPatch, SpreadReplacesTheDeepestUpToTheLimit) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::contact_patch_test

@@ -10,7 +10,7 @@
 
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::contact_plane_test {
 namespace {
 
 const Vec3 kUp{0, 0, 1};
@@ -80,4 +80,4 @@ TEST(ContactPlane, UnknownToolAndBadPoseGiveNoPlanes) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::contact_plane_test

@@ -12,7 +12,7 @@
 #include "kernel/sculpture.h"
 #include "tests/support/swivel.h"
 
-namespace kerf {
+namespace kerf::cutting_force_test {
 namespace {
 
 const Vec3 kUp{0, 0, 1};
@@ -267,4 +267,4 @@ TEST(Force, StoppingKeepsTheForceOfACutAlongAndAcrossTheRays) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::cutting_force_test

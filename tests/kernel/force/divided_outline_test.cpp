@@ -14,7 +14,7 @@
 #include "kernel/force/collision.h"
 #include "kernel/force/stock_contact.h"
 
-namespace kerf {
+namespace kerf::divided_outline_test {
 namespace {
 
 constexpr double kPivotMm = 60;
@@ -296,4 +296,4 @@ TEST(DividedOutline, PartsThatTouchOneFaceShareItsPush) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::divided_outline_test

@@ -12,7 +12,7 @@
 
 #include "kernel/force/travel_queue.h"
 
-namespace kerf {
+namespace kerf::engagement_test {
 namespace {
 
 constexpr double kWidth = 0.1;
@@ -139,4 +139,4 @@ TEST(Engagements, DropTheLeastRecentlyMovedUser) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::engagement_test

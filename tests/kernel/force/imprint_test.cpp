@@ -17,7 +17,7 @@
 #include "tests/kernel/extremes/carving.h"
 #include "tests/support/thread_workers.h"
 
-namespace kerf {
+namespace kerf::imprint_test {
 namespace {
 
 const Vec3 kUp{0, 0, 1};
@@ -321,4 +321,4 @@ TEST(Imprint, DoesNotDependOnTheNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::imprint_test

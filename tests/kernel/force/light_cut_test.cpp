@@ -6,7 +6,7 @@
 #include "kernel/force/ripple.h"
 #include "tests/support/side_cut.h"
 
-namespace kerf {
+namespace kerf::light_cut_test {
 namespace {
 
 double worst_ripple(test::SideCut cut) {
@@ -50,4 +50,4 @@ TEST(LightCut, ThreeFieldsAreSteadyFromFivePitches) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::light_cut_test

@@ -10,7 +10,7 @@
 #include "kernel/force/milling_elements.h"
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::milling_contact_test {
 namespace {
 
 const Vec3 kUp{0, 0, 1};
@@ -141,4 +141,4 @@ TEST(MillingContact, SpindlePhaseSurvivesAChangeOfReferenceDirection) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::milling_contact_test

@@ -18,7 +18,7 @@
 #include "kernel/force/milling_presets.h"
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::milling_force_test {
 namespace {
 
 constexpr double kRadius = 3, kDepth = 2, kStep = 0.03, kPitch = 0.2;
@@ -349,4 +349,4 @@ TEST(MillingPresets, SteelC45FollowsKienzle) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::milling_force_test

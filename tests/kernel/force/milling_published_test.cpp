@@ -7,7 +7,7 @@
 
 #include "tests/kernel/force/published_slots.h"
 
-namespace kerf {
+namespace kerf::milling_published_test {
 namespace {
 
 /// Greatest errors of a mean in percent.
@@ -64,4 +64,4 @@ TEST(MillingPublished, EachSlotIsPredictedFromTheOtherSlots) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::milling_published_test

@@ -9,7 +9,7 @@
 
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::milling_sample_test {
 namespace {
 
 /// A slot of a flat end mill of 12 mm, oblique to the grid.
@@ -64,4 +64,4 @@ TEST(MillingSample, DeepWallsOfThreeFieldsAreSteadyFromTickToTick) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::milling_sample_test

@@ -11,7 +11,7 @@
 
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::new_direction_test {
 namespace {
 
 constexpr double kStepMm = 0.03;
@@ -108,4 +108,4 @@ TEST(NewDirection, StopsDoNotRaiseTheForceOfARandomWalk) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::new_direction_test

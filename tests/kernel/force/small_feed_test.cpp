@@ -8,7 +8,7 @@
 
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::small_feed_test {
 namespace {
 
 constexpr double kRadiusMm = 0.25, kStepMm = 0.01;
@@ -153,4 +153,4 @@ TEST(SmallFeed, FadesContinuouslyTowardsRest) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::small_feed_test

@@ -11,7 +11,7 @@
 #include "kernel/sculpture.h"
 #include "tests/support/swept_oracle.h"
 
-namespace kerf {
+namespace kerf::stock_contact_test {
 namespace {
 
 const Vec3 kUp{0, 0, 1};
@@ -196,4 +196,4 @@ TEST(StockContact, IsFoundAlongTheMotion) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::stock_contact_test

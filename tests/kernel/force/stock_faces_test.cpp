@@ -9,7 +9,7 @@
 
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::stock_faces_test {
 namespace {
 
 const Vec3 kUp{0, 0, 1};
@@ -116,4 +116,4 @@ TEST(StockFaces, PushOnALeaningToolDoesNotDependOnTheStepPosition) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::stock_faces_test

@@ -12,7 +12,7 @@
 
 #include "kernel/math/ray_axis.h"
 
-namespace kerf {
+namespace kerf::surface_weight_test {
 namespace {
 
 const Vec3 kUp{0, 0, 1};
@@ -78,4 +78,4 @@ TEST(SurfaceWeight, ThreeFieldsAddUpToOne) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::surface_weight_test

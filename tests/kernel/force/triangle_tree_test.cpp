@@ -9,7 +9,7 @@
 
 #include "kernel/math/nearest_on_triangle.h"
 
-namespace kerf {
+namespace kerf::triangle_tree_test {
 namespace {
 
 using Triangles = std::vector<TriangleTree::Triangle>;
@@ -100,4 +100,4 @@ TEST(TriangleTree, VisitsFewOfManyTriangles) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::triangle_tree_test

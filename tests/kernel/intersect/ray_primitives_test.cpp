@@ -8,7 +8,7 @@
 #include "kernel/intersect/ray_parallelogram.h"
 #include "kernel/intersect/ray_pipe.h"
 
-namespace kerf {
+namespace kerf::ray_primitives_test {
 namespace {
 
 template <class Primitive>
@@ -117,4 +117,4 @@ TEST(RayPipe, CircleMovedAlongTheRayBoundsNothing) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::ray_primitives_test

@@ -9,7 +9,7 @@
 #include <limits>
 #include <random>
 
-namespace kerf {
+namespace kerf::int_lanes_test {
 namespace {
 
 using Ints = std::array<std::int32_t, kLanes>;
@@ -87,4 +87,4 @@ TEST(IntLanes, EachLaneHasItsOwnBit) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::int_lanes_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::quadratic_test {
 namespace {
 
 TEST(Quadratic, OrdersItsRoots) {
@@ -44,4 +44,4 @@ TEST(Quadratic, DoubleRootAtZero) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::quadratic_test

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-namespace kerf {
+namespace kerf::rotation_test {
 namespace {
 
 Vec3 random_unit(std::mt19937& random) {
@@ -49,4 +49,4 @@ TEST(Rotation, GreatCircleIsUniformAndEndsExactly) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::rotation_test

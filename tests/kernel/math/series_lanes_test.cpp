@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::series_lanes_test {
 namespace {
 
 TEST(SeriesLanes, PowersAgreeWithTheLibrary) {
@@ -43,4 +43,4 @@ TEST(SeriesLanes, RaisedPhasesAreThoseOfMultiples) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::series_lanes_test

@@ -5,7 +5,7 @@
 
 #include "tests/kernel/piece/piece_support.h"
 
-namespace kerf {
+namespace kerf::arc_test {
 namespace {
 
 TEST(ArcPiece, CornerOfABullNose) {
@@ -112,4 +112,4 @@ TEST(ArcPiece, LanesGiveTheBitsOfScalars) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::arc_test

@@ -5,7 +5,7 @@
 
 #include "tests/kernel/piece/piece_support.h"
 
-namespace kerf {
+namespace kerf::ball_test {
 namespace {
 
 TEST(BallPiece, RadiusSlopeExtentAndDistanceAreThoseOfACircle) {
@@ -66,4 +66,4 @@ TEST(BallPiece, LanesGiveTheBitsOfScalars) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::ball_test

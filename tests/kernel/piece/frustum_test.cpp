@@ -5,7 +5,7 @@
 
 #include "tests/kernel/piece/piece_support.h"
 
-namespace kerf {
+namespace kerf::frustum_test {
 namespace {
 
 TEST(FrustumPiece, RadiusSlopeAndExtentOfAConeOf45Degrees) {
@@ -79,4 +79,4 @@ TEST(FrustumPiece, LanesGiveTheBitsOfScalars) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::frustum_test

@@ -7,7 +7,7 @@
 #include "kernel/piece/bounds.h"
 #include "tests/kernel/piece/piece_support.h"
 
-namespace kerf {
+namespace kerf::tool_piece_test {
 namespace {
 
 const ToolPiece kPieces[] = {BallPiece{5, 5}, FrustumPiece{2, 1, 9, 4}, FrustumPiece{0, 3, 4, 3},
@@ -103,4 +103,4 @@ TEST(Bounds, JoinedAndGrown) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_piece_test

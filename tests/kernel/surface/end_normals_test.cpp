@@ -11,7 +11,7 @@
 #include "tests/kernel/extremes/carving.h"
 #include "tests/kernel/extremes/true_sweep.h"
 
-namespace kerf {
+namespace kerf::end_normals_test {
 namespace {
 
 using test::TrueSweep;
@@ -181,4 +181,4 @@ TEST(EndNormals, MatchTheTrueSweepForEveryToolAndMotion) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::end_normals_test

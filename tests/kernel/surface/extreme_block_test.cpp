@@ -9,7 +9,7 @@
 #include "tests/support/carvings.h"
 #include "tests/support/mesh_check.h"
 
-namespace kerf {
+namespace kerf::extreme_block_test {
 namespace {
 
 using test::MeshReport;
@@ -90,4 +90,4 @@ TEST(ExtremeBlock, SidesBeyondTheResolutionOfFloatsAreRejected) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::extreme_block_test

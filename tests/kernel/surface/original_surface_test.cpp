@@ -13,7 +13,7 @@
 #include "tests/support/carvings.h"
 #include "tests/support/mesh_check.h"
 
-namespace kerf {
+namespace kerf::original_surface_test {
 namespace {
 
 constexpr double kPitchMm = 0.5;
@@ -200,4 +200,4 @@ TEST_P(OriginalSurface, MeshWithACavityIsDistinctFromCuts) {
 INSTANTIATE_TEST_SUITE_P(Rays, OriginalSurface, testing::Values(Rays::kDexel, Rays::kTriDexel));
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::original_surface_test

@@ -6,7 +6,7 @@
 #include "tests/kernel/extremes/random_carving.h"
 #include "tests/support/mesh_check.h"
 
-namespace kerf {
+namespace kerf::random_surface_test {
 namespace {
 
 using test::MeshReport;
@@ -75,4 +75,4 @@ TEST(RandomSurface, IsOnTheTrueSolid) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::random_surface_test

@@ -13,7 +13,7 @@
 #include "tests/support/mesh_check.h"
 #include "tests/support/standard_job.h"
 
-namespace kerf {
+namespace kerf::self_intersection_test {
 namespace {
 
 using test::FloatTriangle;
@@ -160,4 +160,4 @@ TEST(SelfIntersection, ExportsHaveNone) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::self_intersection_test

@@ -6,7 +6,7 @@
 #include "tests/support/mesh_check.h"
 #include "tests/support/standard_job.h"
 
-namespace kerf {
+namespace kerf::sharp_surface_test {
 namespace {
 
 Sculpture sculpture_of(const StockShape& stock, double pitch_mm, Rays rays) {
@@ -170,4 +170,4 @@ TEST(SharpSurface, ReportsTilesChangedOnlyInHorizontalFields) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::sharp_surface_test

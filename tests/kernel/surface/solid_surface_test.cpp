@@ -10,7 +10,7 @@
 #include "tests/support/extreme_block.h"
 #include "tests/support/mesh_check.h"
 
-namespace kerf {
+namespace kerf::solid_surface_test {
 namespace {
 
 using test::MeshReport;
@@ -153,4 +153,4 @@ TEST(SolidSurface, CostGrowsWithTheCarvedArea) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::solid_surface_test

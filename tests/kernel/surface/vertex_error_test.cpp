@@ -10,7 +10,7 @@
 #include "tests/kernel/extremes/tool_job.h"
 #include "tests/support/self_intersection.h"
 
-namespace kerf {
+namespace kerf::vertex_error_test {
 namespace {
 
 using test::ToolJob;
@@ -43,4 +43,4 @@ TEST(VertexError, IsBelowHalfAPitchInFormerlyWorseJobs) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::vertex_error_test

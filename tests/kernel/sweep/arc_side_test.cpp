@@ -7,7 +7,7 @@
 
 #include "kernel/sweep/piece_side.h"
 
-namespace kerf {
+namespace kerf::arc_side_test {
 namespace {
 
 const ArcPiece kSidesOfArcs[] = {
@@ -154,4 +154,4 @@ TEST(ArcSide, LanesAreIndependent) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::arc_side_test

@@ -9,7 +9,7 @@
 
 #include "kernel/sweep/frustum_translation.h"
 
-namespace kerf {
+namespace kerf::arc_translation_test {
 namespace {
 
 /// Returns the argument at which a convex function is least in [a, b].
@@ -194,4 +194,4 @@ TEST(ArcTranslation, FirstPoseAndRemainderEqualTheWholeSweep) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::arc_translation_test

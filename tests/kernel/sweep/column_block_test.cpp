@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace kerf {
+namespace kerf::column_block_test {
 namespace {
 
 /// A block whose stock reaches up to 10 mm.
@@ -142,4 +142,4 @@ TEST(ColumnBlock, AnyOrderGivesTheUnionWithGapsClosed) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::column_block_test

@@ -14,7 +14,7 @@
 #include "kernel/sculpture.h"
 #include "kernel/sweep/swept_tool.h"
 
-namespace kerf {
+namespace kerf::level_bound_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -191,4 +191,4 @@ TEST(LevelBound, RemovedPartsJoinTheIntervalsOfNeighbors) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::level_bound_test

@@ -14,7 +14,7 @@
 #include "kernel/sweep/swept_tool.h"
 #include "kernel/tool/tool.h"
 
-namespace kerf {
+namespace kerf::met_again_test {
 namespace {
 
 class Random {
@@ -273,4 +273,4 @@ TEST(MetAgain, ThinToolsNeedFewEvaluationsInAnyMotion) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::met_again_test

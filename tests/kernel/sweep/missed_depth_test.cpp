@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-namespace kerf::test {
+namespace kerf::test::missed_depth_test {
 namespace {
 
 /// Found by the search in kernel version 5, in units of the tolerance: an end that moves inwards at
@@ -70,4 +70,4 @@ TEST(MissedDepth, StaysWithinTheToleranceInADirectedSearch) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::missed_depth_test

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace kerf {
+namespace kerf::moving_slice_test {
 namespace {
 
 constexpr double kToleranceMm = 0.001, kTopMm = 3;
@@ -233,4 +233,4 @@ TEST(MovingSlice, SinkingAndRisingBottomNeedsNoSearch) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::moving_slice_test

@@ -19,7 +19,7 @@
 #include "kernel/sweep/slice_meeting.h"
 #include "kernel/sweep/swept_tool.h"
 
-namespace kerf {
+namespace kerf::pose_test {
 namespace {
 
 constexpr int kSide = 2 * kBlockSide;  // columns of the grid, either direction
@@ -212,4 +212,4 @@ TEST(Pose, MotionContainsItsLastPoseToTheBit) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::pose_test

@@ -11,7 +11,7 @@
 #include "kernel/sculpture.h"
 #include "tests/support/swept_oracle.h"
 
-namespace kerf {
+namespace kerf::sweep_property_test {
 namespace {
 
 constexpr double kDepth = 20;
@@ -230,4 +230,4 @@ TEST(Sweep, RampAtExactlyTheConeAngleCutsItsFullVolume) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::sweep_property_test

@@ -11,7 +11,7 @@
 
 #include "kernel/sweep/moving_slice.h"
 
-namespace kerf {
+namespace kerf::tool_above_test {
 namespace {
 
 constexpr double kTopMm = 4;
@@ -136,4 +136,4 @@ TEST(ToolAbove, NothingIsCoveredBelowANeckOrBeyondTheTool) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_above_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace kerf {
+namespace kerf::tool_motion_test {
 namespace {
 
 Vec3 leaning(double angle) { return {std::sin(angle), 0, std::cos(angle)}; }
@@ -48,4 +48,4 @@ TEST(ToolMotion, PoseAtHalfTheShareIsInTheMiddle) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_motion_test

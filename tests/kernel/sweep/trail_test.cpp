@@ -15,7 +15,7 @@
 #include "kernel/sculpture_motion.h"
 #include "kernel/sweep/swept_tool.h"
 
-namespace kerf {
+namespace kerf::trail_test {
 namespace {
 
 constexpr double kToleranceMm = 0.001;
@@ -235,4 +235,4 @@ TEST(Trail, SkippedRegionsWereAlreadyRemoved) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::trail_test

@@ -11,7 +11,7 @@
 
 #include "kernel/sweep/tool_motion.h"
 
-namespace kerf {
+namespace kerf::underside_test {
 namespace {
 
 constexpr double kRoundingMm = 1e-12;
@@ -88,4 +88,4 @@ TEST(Underside, NoPointOfTheMovingSliceIsBelowIt) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::underside_test

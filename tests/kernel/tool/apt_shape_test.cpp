@@ -7,7 +7,7 @@
 #include "kernel/tool/tool.h"
 #include "tests/support/tool_profile.h"
 
-namespace kerf {
+namespace kerf::apt_shape_test {
 namespace {
 
 TEST(AptShape, ZeroAnglesAreABullNose) {
@@ -159,4 +159,4 @@ TEST(AptShape, RejectsInconsistentFields) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::apt_shape_test

@@ -9,7 +9,7 @@
 #include "kernel/math/tolerance.h"
 #include "kernel/tool/tool.h"
 
-namespace kerf {
+namespace kerf::convex_part_test {
 namespace {
 
 std::vector<ConvexPart> parts_of(const ToolShape& shape) { return make_tool(shape)->whole_parts; }
@@ -91,4 +91,4 @@ TEST(ConvexPart, UncontinuedBallIsWhole) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::convex_part_test

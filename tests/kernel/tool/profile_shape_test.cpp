@@ -9,7 +9,7 @@
 #include "kernel/tool/tool.h"
 #include "tests/support/tool_profile.h"
 
-namespace kerf {
+namespace kerf::profile_shape_test {
 namespace {
 
 using enum ArcBulge;
@@ -228,4 +228,4 @@ TEST(ProfileShape, RandomOutlinesAreValidOrRejected) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::profile_shape_test

@@ -12,7 +12,7 @@
 #include "kernel/sculpture.h"
 #include "tests/support/swept_oracle.h"
 
-namespace kerf {
+namespace kerf::shape_property_test {
 namespace {
 
 struct Case {
@@ -111,4 +111,4 @@ INSTANTIATE_TEST_SUITE_P(EveryTool, ShapeMotion, testing::Range(0, 9),
                          [](const auto& tool) { return tools()[std::size_t(tool.param)].name; });
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::shape_property_test

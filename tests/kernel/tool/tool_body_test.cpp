@@ -6,7 +6,7 @@
 
 #include "kernel/tool/tool.h"
 
-namespace kerf {
+namespace kerf::tool_body_test {
 namespace {
 
 TEST(ToolBody, ShankAndHolderStackAboveTheCuttingLength) {
@@ -79,4 +79,4 @@ TEST(ToolBody, RejectionNamesTheFieldAndTheReason) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_body_test

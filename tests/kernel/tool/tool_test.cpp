@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace kerf {
+namespace kerf::tool_test {
 namespace {
 
 TEST(Tool, BallIsABallAndACylinder) {
@@ -106,4 +106,4 @@ TEST(Tool, RejectsInvalidPiecesFromAJournal) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::tool_test

@@ -5,7 +5,7 @@
 
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::undercut_test {
 namespace {
 
 const Vec3 kUp{0, 0, 1};
@@ -55,4 +55,4 @@ TEST(Undercut, OppositeDirectionsRemoveTheSame) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::undercut_test

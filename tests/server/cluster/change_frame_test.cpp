@@ -5,7 +5,7 @@
 
 #include "server/cluster/copies.h"
 
-namespace kerf {
+namespace kerf::change_frame_test {
 namespace {
 
 std::vector<std::byte> rows(std::size_t count, unsigned value) {
@@ -90,4 +90,4 @@ TEST(CopyStream, NamesTheSession) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::change_frame_test

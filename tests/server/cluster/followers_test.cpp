@@ -11,7 +11,7 @@
 #include "tests/server/manual_executor.h"
 #include "tests/support/eventually.h"
 
-namespace kerf {
+namespace kerf::followers_test {
 namespace {
 
 class FollowersTest : public test::NatsTest {
@@ -41,4 +41,4 @@ TEST_F(FollowersTest, StaleListDoesNotEndNewlyWantedSessions) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::followers_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::lease_table_test {
 namespace {
 
 using Ids = std::vector<std::string>;
@@ -216,4 +216,4 @@ TEST(Lease, SubjectsNameSessionsAndServers) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::lease_table_test

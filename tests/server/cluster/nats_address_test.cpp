@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kerf {
+namespace kerf::nats_address_test {
 namespace {
 
 using Servers = std::vector<std::string>;
@@ -25,4 +25,4 @@ TEST(NatsAddress, IsShownWithoutUserPasswordAndToken) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::nats_address_test

@@ -11,7 +11,7 @@
 #include "tests/server/cluster/nats_fixture.h"
 #include "tests/server/random_runs.h"
 
-namespace kerf {
+namespace kerf::nats_connection_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -52,4 +52,4 @@ TEST_F(NatsConnectionTest, AWatchMayOutliveItsConnection) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::nats_connection_test

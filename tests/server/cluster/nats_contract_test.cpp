@@ -16,7 +16,7 @@
 #include "tests/server/cluster/nats_under_test.h"
 #include "tests/support/eventually.h"
 
-namespace kerf {
+namespace kerf::nats_contract_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -183,4 +183,4 @@ TEST_F(NatsContract, RestartedServerKeepsItsStreams) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::nats_contract_test

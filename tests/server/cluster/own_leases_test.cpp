@@ -9,7 +9,7 @@
 #include "server/platform/clock.h"
 #include "tests/server/cluster/nats_fixture.h"
 
-namespace kerf {
+namespace kerf::own_leases_test {
 namespace {
 
 class OwnLeasesTest : public test::NatsTest {
@@ -125,4 +125,4 @@ TEST_F(OwnLeasesTest, ReleasedLeaseMayBeTaken) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::own_leases_test

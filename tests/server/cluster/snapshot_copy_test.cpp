@@ -18,7 +18,7 @@
 #include "server/store/journal_writer.h"
 #include "tests/server/cluster/nats_fixture.h"
 
-namespace kerf {
+namespace kerf::snapshot_copy_test {
 namespace {
 
 constexpr const char* kScene =
@@ -247,4 +247,4 @@ TEST_F(SnapshotCopyTest, CopyIsListedFetchedAndForgottenWithItsSnapshot) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::snapshot_copy_test

@@ -10,7 +10,7 @@
 #include "server/store/journal_writer.h"
 #include "tests/server/cluster/nats_fixture.h"
 
-namespace kerf {
+namespace kerf::takeover_test {
 namespace {
 
 class TakeoverTest : public test::NatsTest {
@@ -156,4 +156,4 @@ TEST_F(TakeoverTest, WithoutACopyTheLocalJournalCounts) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::takeover_test

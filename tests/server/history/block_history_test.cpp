@@ -11,7 +11,7 @@
 #include "tests/server/history/recorded_job.h"
 #include "tests/support/thread_workers.h"
 
-namespace kerf {
+namespace kerf::block_history_test {
 namespace {
 
 using test::RecordedJob;
@@ -224,4 +224,4 @@ TEST(BlockHistory, KeepsCarvedTilesWhenStopped) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::block_history_test

@@ -7,7 +7,7 @@
 
 #include "kernel/dexel/dexel_tile.h"
 
-namespace kerf {
+namespace kerf::era_tiles_test {
 namespace {
 
 FieldTile tile_at(int x) { return {RayAxis::kZ, {x, 0}}; }
@@ -44,4 +44,4 @@ TEST(EraTiles, AllEntriesCountAndTheOldestGoFirst) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::era_tiles_test

@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-namespace kerf {
+namespace kerf::motion_spans_test {
 namespace {
 
 Bounds box_at(Vec3 at, double half_mm) {
@@ -81,4 +81,4 @@ TEST(MotionSpans, AHandThatPausesBeginsANewSpan) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::motion_spans_test

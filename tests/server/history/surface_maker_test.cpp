@@ -12,7 +12,7 @@
 #include "server/history/journal_records.h"
 #include "tests/server/history/recorded_job.h"
 
-namespace kerf {
+namespace kerf::surface_maker_test {
 namespace {
 
 using test::RecordedJob;
@@ -162,4 +162,4 @@ TEST(ColumnEnd, IsTheNearestOnTheSelectedFace) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::surface_maker_test

@@ -16,7 +16,7 @@
 #include "server/picture/png_file.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::block_picture_test {
 namespace {
 
 constexpr auto kNoProgress = [](double) {};
@@ -181,4 +181,4 @@ TEST(PngFile, RoundTrips) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::block_picture_test

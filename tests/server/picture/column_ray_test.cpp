@@ -10,7 +10,7 @@
 
 #include "kernel/sculpture.h"
 
-namespace kerf {
+namespace kerf::column_ray_test {
 namespace {
 
 Sculpture block_of(const StockShape& stock, double pitch_mm) {
@@ -198,4 +198,4 @@ TEST(ColumnRay, AgreesWithMarchingInSmallSteps) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::column_ray_test

@@ -10,7 +10,7 @@
 #include "server/picture/block_picture.h"
 #include "server/picture/picture_camera.h"
 
-namespace kerf {
+namespace kerf::picture_rod_test {
 namespace {
 
 /// A signed value for a point, like a distance: negative inside the rod.
@@ -72,4 +72,4 @@ TEST(PictureRod, IsDrawnInFrontOfTheBlockAndHiddenBehindIt) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::picture_rod_test

@@ -12,7 +12,7 @@
 #include "server/platform/clock.h"
 #include "tests/server/session_fixture.h"
 
-namespace kerf::net {
+namespace kerf::net::picture_route_test {
 namespace {
 
 class PictureCacheTest : public ::testing::Test {
@@ -233,4 +233,4 @@ TEST_F(PictureRoute, TheHeightFollowsTheWidth) {
 }
 
 }  // namespace
-}  // namespace kerf::net
+}  // namespace kerf::net::picture_route_test

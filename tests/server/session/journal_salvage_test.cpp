@@ -9,7 +9,7 @@
 #include "server/store/journal_scan.h"
 #include "tests/server/damage_fixture.h"
 
-namespace kerf {
+namespace kerf::journal_salvage_test {
 namespace {
 
 class JournalSalvage : public DamageTest {
@@ -210,4 +210,4 @@ TEST_F(JournalSalvage, IntactJournalIsKeptWhole) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::journal_salvage_test

@@ -8,7 +8,7 @@
 #include "server/store/journal_scan.h"
 #include "tests/server/damage_fixture.h"
 
-namespace kerf {
+namespace kerf::journal_watch_test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -214,4 +214,4 @@ TEST_F(JournalWatchTest, FilesOfASessionArePrivate) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::journal_watch_test

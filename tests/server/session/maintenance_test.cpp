@@ -12,7 +12,7 @@
 #include "server/store/folder_lock.h"
 #include "tests/server/damage_fixture.h"
 
-namespace kerf {
+namespace kerf::maintenance_test {
 namespace {
 
 class Maintenance : public DamageTest {
@@ -227,4 +227,4 @@ TEST_F(Maintenance, SalvageReportsWhatItKeeps) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::maintenance_test

@@ -4,7 +4,7 @@
 #include "tests/server/damage_fixture.h"
 #include "tests/server/store/faulty_disk.h"
 
-namespace kerf {
+namespace kerf::session_closing_test {
 namespace {
 
 using test::DiskFault;
@@ -85,4 +85,4 @@ TEST_F(SessionClosing, ADeletedSessionNeedsNoDisk) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::session_closing_test

@@ -16,7 +16,7 @@
 #include "server/store/chunk_file.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::block_snapshot_test {
 namespace {
 
 SculptureSettings settings_of(Rays rays, bool keep_normals) {
@@ -263,4 +263,4 @@ TEST_F(BlockSnapshots, FailingDiskKeepsThePreviousSnapshot) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::block_snapshot_test

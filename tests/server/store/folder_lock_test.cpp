@@ -8,7 +8,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::folder_lock_test {
 namespace {
 
 TEST(FolderLock, IsHeldByOneAtATimeAndNamesItsProcess) {
@@ -66,4 +66,4 @@ TEST(FolderLock, UnwritableFolderErrorNamesItsOwner) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::folder_lock_test

@@ -15,7 +15,7 @@
 #include "server/store/record_batch.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::hostile_batch_test {
 namespace {
 
 /// Flags of README.md, "Batches".
@@ -154,4 +154,4 @@ TEST(HostileBatch, TimesAndCountsThatNoWriterStoresAreCorruption) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::hostile_batch_test

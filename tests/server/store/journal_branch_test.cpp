@@ -8,7 +8,7 @@
 #include "server/store/journal_writer.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::journal_branch_test {
 namespace {
 
 /// Writes a journal of ten motions like an old server that did not store its kernel version; this
@@ -50,4 +50,4 @@ TEST(JournalBranch, StatesTheKernelOfItsRecordsOnly) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::journal_branch_test

@@ -12,7 +12,7 @@
 #include "server/store/journal_writer.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::journal_change_test {
 namespace {
 
 ListChange stored(const std::string& name, std::int64_t record, const std::string& person) {
@@ -397,4 +397,4 @@ TEST_F(JournalChangeTest, ACopyWithADamagedRecordIsNotFinished) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::journal_change_test

@@ -12,7 +12,7 @@
 #include "tests/server/store/faulty_disk.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::journal_fault_test {
 namespace {
 
 using test::DiskFault;
@@ -293,4 +293,4 @@ TEST_F(JournalFaults, AfterRandomFaultsTheJournalIsAPrefixWithEverythingDurable)
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::journal_fault_test

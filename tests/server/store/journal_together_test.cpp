@@ -9,7 +9,7 @@
 #include "server/store/journal_writer.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::journal_together_test {
 namespace {
 
 const JournalHeader kHeader{"demo", "{\"name\":\"demo\"}", "/scenes", 1};
@@ -61,4 +61,4 @@ TEST_F(JournalTogether, GroupedCommandsAreRejectedTogether) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::journal_together_test

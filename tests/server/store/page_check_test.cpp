@@ -12,7 +12,7 @@
 #include "server/store/journal_writer.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::page_check_test {
 namespace {
 
 constexpr std::size_t kSchemaPage = 4096;  ///< the first page of the file has the schema
@@ -68,4 +68,4 @@ TEST(PageCheck, ReportsEachFlippedBitInTheNamesOfTables) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::page_check_test

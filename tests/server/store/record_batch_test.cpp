@@ -15,7 +15,7 @@
 #include "server/store/journal_writer.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::record_batch_test {
 namespace {
 
 ToolPose pose_of(double x_mm, double y_mm, double z_mm, Vec3 axis = {0, 0, 1}) {
@@ -240,4 +240,4 @@ TEST(JournalVersion1, IsReadAndContinuedWithBatches) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::record_batch_test

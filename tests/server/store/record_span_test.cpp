@@ -7,7 +7,7 @@
 
 #include "server/store/journal_origin.h"
 
-namespace kerf {
+namespace kerf::record_span_test {
 namespace {
 
 std::vector<std::byte> bytes_of(std::initializer_list<int> values) {
@@ -71,4 +71,4 @@ TEST(JournalOrigin, HasTheseBytes) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::record_span_test

@@ -10,7 +10,7 @@
 #include "server/store/journal_writer.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf {
+namespace kerf::write_fence_test {
 namespace {
 
 constexpr std::int64_t kHour = 3'600'000'000'000;
@@ -63,4 +63,4 @@ TEST(RaiseEpoch, NextOpeningHasAtLeastThatEpoch) {
 }
 
 }  // namespace
-}  // namespace kerf
+}  // namespace kerf::write_fence_test

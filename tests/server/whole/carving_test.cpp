@@ -16,7 +16,7 @@
 #include "tests/server/whole/watcher.h"
 #include "tests/server/whole/whole_server.h"
 
-namespace kerf::test {
+namespace kerf::test::carving_test {
 namespace {
 
 constexpr const char* kFrame =
@@ -190,4 +190,4 @@ TEST_F(Carving, ASessionIsDescribedClosedAndDeleted) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::carving_test

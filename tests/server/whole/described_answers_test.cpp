@@ -10,7 +10,7 @@
 #include "tests/server/whole/hand.h"
 #include "tests/server/whole/whole_server.h"
 
-namespace kerf::test {
+namespace kerf::test::described_answers_test {
 namespace {
 
 constexpr const char* kProgram =
@@ -222,4 +222,4 @@ TEST_F(DescribedAnswers, OfAServerWithRights) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::described_answers_test

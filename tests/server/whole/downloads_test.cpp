@@ -11,7 +11,7 @@
 #include "tests/server/whole/hand.h"
 #include "tests/server/whole/whole_server.h"
 
-namespace kerf::test {
+namespace kerf::test::downloads_test {
 namespace {
 
 constexpr const char* kFrame =
@@ -266,4 +266,4 @@ TEST_F(LongDownloads, EndWithTheServer) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::downloads_test

@@ -10,7 +10,7 @@
 #include "tests/server/whole/hand.h"
 #include "tests/server/whole/whole_server.h"
 
-namespace kerf::test {
+namespace kerf::test::folder_test {
 namespace {
 
 class DataFolder : public WholeServer {
@@ -156,4 +156,4 @@ TEST_F(DataFolder, DownloadsEndBeforeSessionsArePaused) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::folder_test

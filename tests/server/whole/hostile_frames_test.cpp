@@ -8,7 +8,7 @@
 #include "tests/server/whole/watcher.h"
 #include "tests/server/whole/whole_server.h"
 
-namespace kerf::test {
+namespace kerf::test::hostile_frames_test {
 namespace {
 
 using namespace std::string_literals;
@@ -141,4 +141,4 @@ TEST_F(HostileFrames, AnUpgradeIsDeclinedWithItsReason) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::hostile_frames_test

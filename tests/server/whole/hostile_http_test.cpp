@@ -8,7 +8,7 @@
 #include "tests/server/whole/watcher.h"
 #include "tests/server/whole/whole_server.h"
 
-namespace kerf::test {
+namespace kerf::test::hostile_http_test {
 namespace {
 
 using namespace std::string_literals;
@@ -295,4 +295,4 @@ TEST_F(ManyConnections, FromOneClientExcludeNobody) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::hostile_http_test

@@ -13,7 +13,7 @@
 #include "tests/server/whole/hand.h"
 #include "tests/server/whole/whole_server.h"
 
-namespace kerf::test {
+namespace kerf::test::pages_test {
 namespace {
 
 class Pages : public WholeServer {
@@ -185,4 +185,4 @@ TEST_F(ListedMetrics, MatchTheDashboard) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::pages_test

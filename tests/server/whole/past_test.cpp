@@ -14,7 +14,7 @@
 #include "tests/server/whole/watcher.h"
 #include "tests/server/whole/whole_server.h"
 
-namespace kerf::test {
+namespace kerf::test::past_test {
 namespace {
 
 using WallClock = std::chrono::system_clock;
@@ -263,4 +263,4 @@ TEST_F(PointsInTime, VersionAndItsBranchSurviveARestart) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::past_test

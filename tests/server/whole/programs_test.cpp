@@ -10,7 +10,7 @@
 #include "tests/server/whole/watcher.h"
 #include "tests/server/whole/whole_server.h"
 
-namespace kerf::test {
+namespace kerf::test::programs_test {
 namespace {
 
 /// A program with one cutting block per line.
@@ -214,4 +214,4 @@ TEST_F(Programs, EndlessProgramsDoNotDelayPins) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::programs_test

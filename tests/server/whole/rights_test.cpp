@@ -10,7 +10,7 @@
 #include "tests/server/whole/watcher.h"
 #include "tests/server/whole/whole_server.h"
 
-namespace kerf::test {
+namespace kerf::test::rights_test {
 namespace {
 
 class Invitations : public WholeServer {
@@ -242,4 +242,4 @@ TEST(Reach, ServerOnAllAddressesStatesAUsableOne) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::rights_test

@@ -4,7 +4,7 @@
 
 #include "tests/server/whole/whole_server.h"
 
-namespace kerf::test {
+namespace kerf::test::scenes_test {
 namespace {
 
 using Scenes = WholeServer;
@@ -47,4 +47,4 @@ TEST_F(Scenes, UnknownResourcesAreNamed) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::scenes_test

@@ -7,7 +7,7 @@
 #include "tests/server/whole/watcher.h"
 #include "tests/server/whole/whole_server.h"
 
-namespace kerf::test {
+namespace kerf::test::together_test {
 namespace {
 
 class Together : public WholeServer {
@@ -97,4 +97,4 @@ TEST_F(Together, ACameraIsShownUntilItsViewerHidesItOrLeaves) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::together_test

@@ -11,7 +11,7 @@
 #include "tests/server/whole/hand.h"
 #include "tests/server/whole/whole_server.h"
 
-namespace kerf::test {
+namespace kerf::test::uploads_test {
 namespace {
 
 class Models : public WholeServer {
@@ -192,4 +192,4 @@ TEST_F(Memory, ManyMotionsNeedLittle) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::uploads_test

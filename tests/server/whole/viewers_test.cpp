@@ -15,7 +15,7 @@
 #include "tests/server/whole/watcher.h"
 #include "tests/server/whole/whole_server.h"
 
-namespace kerf::test {
+namespace kerf::test::viewers_test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -275,4 +275,4 @@ TEST_F(Crowd, GetsTheLastPosesAndTiles) {
 }
 
 }  // namespace
-}  // namespace kerf::test
+}  // namespace kerf::test::viewers_test

@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-namespace kerf::sim {
+namespace kerf::sim::scheduler_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -207,4 +207,4 @@ TEST(Scheduler, MachinesHaveClocksOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace kerf::sim
+}  // namespace kerf::sim::scheduler_test

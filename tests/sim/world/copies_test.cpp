@@ -14,7 +14,7 @@
 #include "tests/sim/nats/nats_model.h"
 #include "tests/sim/world/cluster.h"
 
-namespace kerf::sim {
+namespace kerf::sim::copies_test {
 namespace {
 
 /// A sphere as a binary STL file of more than a message of NATS may have.
@@ -226,4 +226,4 @@ TEST_F(Copies, WithoutNatsNothingIsCopied) {
 }
 
 }  // namespace
-}  // namespace kerf::sim
+}  // namespace kerf::sim::copies_test

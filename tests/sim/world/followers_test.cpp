@@ -6,7 +6,7 @@
 #include "tests/sim/nats/nats_model.h"
 #include "tests/sim/world/cluster.h"
 
-namespace kerf::sim {
+namespace kerf::sim::followers_test {
 namespace {
 
 class SimFollowers : public ClusterTest {
@@ -218,4 +218,4 @@ TEST_F(SimFollowers, AFollowedSessionEndsWithTheSession) {
 }
 
 }  // namespace
-}  // namespace kerf::sim
+}  // namespace kerf::sim::followers_test

@@ -11,7 +11,7 @@
 #include "tests/server/certificates.h"
 #include "tests/sim/world/cluster.h"
 
-namespace kerf::sim {
+namespace kerf::sim::half_open_test {
 namespace {
 
 /// The first bytes of a hello of TLS, and nothing more.
@@ -86,4 +86,4 @@ TEST_F(HalfOpen, WhoSpeaksHttpIsSentToHttps) {
 }
 
 }  // namespace
-}  // namespace kerf::sim
+}  // namespace kerf::sim::half_open_test

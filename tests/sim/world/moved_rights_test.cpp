@@ -5,7 +5,7 @@
 
 #include "tests/sim/world/cluster.h"
 
-namespace kerf::sim {
+namespace kerf::sim::moved_rights_test {
 namespace {
 
 const std::string kAdmin = kAdminToken;
@@ -184,4 +184,4 @@ TEST_F(MovedRights, AServerThatFollowsKnowsPassesAndEndsThoseThatAreRevoked) {
 }
 
 }  // namespace
-}  // namespace kerf::sim
+}  // namespace kerf::sim::moved_rights_test

@@ -18,7 +18,7 @@
 #include "tests/sim/world/server_machine.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf::sim {
+namespace kerf::sim::silent_peers_test {
 namespace {
 
 constexpr int kPort = 8080;
@@ -110,4 +110,4 @@ TEST(SilentPeers, AreClosedInTime) {
 }
 
 }  // namespace
-}  // namespace kerf::sim
+}  // namespace kerf::sim::silent_peers_test

@@ -9,7 +9,7 @@
 #include "tests/sim/nats/nats_model.h"
 #include "tests/sim/world/cluster.h"
 
-namespace kerf::sim {
+namespace kerf::sim::takeovers_test {
 namespace {
 
 using Takeovers = ClusterTest;
@@ -344,4 +344,4 @@ TEST_F(Takeovers, ATakeoverBeginsWithTheCopiedSnapshotAndADamagedOneCostsOnlyTim
 }
 
 }  // namespace
-}  // namespace kerf::sim
+}  // namespace kerf::sim::takeovers_test

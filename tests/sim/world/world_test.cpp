@@ -8,7 +8,7 @@
 #include "tests/sim/world/process.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kerf::sim {
+namespace kerf::sim::world_test {
 namespace {
 
 class WorldTest : public testing::Test {
@@ -151,4 +151,4 @@ TEST(PlanOfSeed, SeedsOfTheReadmeHaveTheirFault) {
 }
 
 }  // namespace
-}  // namespace kerf::sim
+}  // namespace kerf::sim::world_test
