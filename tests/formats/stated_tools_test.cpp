@@ -134,7 +134,7 @@ TEST(ToolWords, EveryOptionWordIsUnderstood) {
 TEST(StatedTools, AShopNumberIsADoubtAndNoSize) {
   for (const char* text : {"G21\n(T1 = 1/2\" END MILL 03-0086)\nT1 M6\nG1 X1\n",
                            "G20\n(T1 .5 ENDMILL 03-0086)\nT1 M6\nG1 X1\n"}) {
-    const auto tools = stated_tools(text, program_unit_mm(text));
+    const auto tools = stated_tools(text);
     ASSERT_TRUE(tools.contains(1)) << text;
     EXPECT_EQ(tool_text(tools.at(1).shape), "flat, diameter 12.7 mm, length 63.5 mm") << text;
     EXPECT_NE(tools.at(1).doubt, "") << text;

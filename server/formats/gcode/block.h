@@ -63,7 +63,7 @@ struct GcodeLine {
 };
 /// Splits a line. LinuxCNC: throws GcodeFault for an unclosed, unopened or nested comment and for
 /// ";py,". Other dialects: comments may be nested, and an unclosed one ends with the line.
-GcodeLine split_gcode_line(std::string_view line, const DialectRules& rules = rules_of({}));
+GcodeLine split_gcode_line(std::string_view line, const DialectRules& rules = rules_of(Dialect{}));
 
 /// Returns whether a line is a percent sign alone, which begins or ends a program.
 bool is_percent(std::string_view line);
@@ -72,6 +72,6 @@ bool is_percent(std::string_view line);
 /// take effect after it. `position_readable` as for GcodeValueReader. Throws GcodeFault.
 GcodeBlock parse_gcode_block(std::string_view code, GcodeParameters& parameters,
                              bool position_readable = true,
-                             const DialectRules& rules = rules_of({}));
+                             const DialectRules& rules = rules_of(Dialect{}));
 
 }  // namespace kerf
