@@ -7,7 +7,6 @@
 #include "server/http/routes.h"
 #include "server/http/static_files.h"
 #include "server/rights/rights.h"
-#include "server/session/history_failure.h"
 #include "server/threads/run_and_wait.h"
 
 namespace kerf::net {
@@ -100,7 +99,8 @@ ApiResponse damaged_journal(const JournalError& damage) {
 
 ApiResponse history_failure(const Session& session, const std::string& reason,
                             const std::stop_token& stop) {
-  if (const auto damage = damage_after(session, reason, stop)) return damaged_journal(*damage);
+  if (const auto damage = session.past().damage_after(reason, stop))
+    return damaged_journal(*damage);
   return error_response(503, "busy", reason);
 }
 

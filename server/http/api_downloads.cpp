@@ -12,7 +12,6 @@
 #include "server/http/download_request.h"
 #include "server/http/entity_tag.h"
 #include "server/session/hash_text.h"
-#include "server/session/history_failure.h"
 #include "server/session/session_walls.h"
 
 namespace kerf::net {
@@ -28,7 +27,7 @@ MadeFile reason_only(const Result& result) {
 ExportResult write_plot(const ForcePlotRequest& plot, Session& session, std::ostream& out,
                         const std::stop_token& stop) {
   SerialWorkers alone;
-  const auto start = session.felt_start(plot.first, plot.only, alone, stop);
+  const auto start = session.past().felt_start(plot.first, plot.only, alone, stop);
   if (!start) return std::unexpected(start.error());
   return export_force_plot(session.journal_file(), plot, out, stop, &*start);
 }
@@ -169,7 +168,7 @@ ApiResponse Api::download(const ApiCall& call) {
     const MakeError& error = file.error();
     if (error.no_space) return error_response(507, "disk_full", error.reason);
     if (!download->model && !error.impossible) {
-      const auto damage = damage_after(session, error.reason, request.stop);
+      const auto damage = session.past().damage_after(error.reason, request.stop);
       if (damage) return damaged_journal(*damage);
     }
     return error.impossible ? error_response(422, "budget_impossible", error.reason)
@@ -195,7 +194,7 @@ std::expected<HashedSolid, ApiResponse> Api::requested_block(const ApiCall& call
 
 std::expected<HashedSolid, ApiResponse> Api::solid_after(const ApiCall& call,
                                                          std::uint64_t record) {
-  const auto then = call.session->solid_at(record, carvers(), call.request.stop);
+  const auto then = call.session->past().solid_at(record, carvers(), call.request.stop);
   if (!then) {
     return std::unexpected(history_failure(*call.session, then.error(), call.request.stop));
   }

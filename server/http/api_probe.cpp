@@ -175,7 +175,8 @@ ApiResponse Api::probe(const ApiCall& call) {
                        {"quantum_mm", grid.z_quantum_mm}};
   }
   if (!air) return json_response(200, json.dump());
-  const auto maker = call.session->first_to_remove(*air, block->hash.sequence, call.request.stop);
+  const auto maker =
+      call.session->past().first_to_remove(*air, block->hash.sequence, call.request.stop);
   if (!maker) return history_failure(*call.session, maker.error(), call.request.stop);
   if (*maker) json["cut"] = shown_maker(*call.session, **maker);
   return json_response(200, json.dump(-1, ' ', false, Json::error_handler_t::replace));
@@ -199,7 +200,7 @@ ApiResponse Api::owners(const ApiCall& call) {
     cells.push_back(*air);
     asked.push_back(n);
   }
-  const auto found = call.session->owners(cells, block->hash.sequence, call.request.stop);
+  const auto found = call.session->past().owners(cells, block->hash.sequence, call.request.stop);
   if (!found) return history_failure(*call.session, found.error(), call.request.stop);
   std::vector<ParticipantId> owners(places->size(), 0);
   for (std::size_t n = 0; n < asked.size(); ++n) owners[asked[n]] = (*found)[n];

@@ -49,7 +49,7 @@ std::expected<JournalReader, ApiResponse> named_journal(const ApiCall& call) {
   auto journal =
       JournalReader::open(call.session->journal_file(), RecordOrder::kSequence, call.request.stop);
   if (!journal) return std::unexpected(journal_failure(journal.error()));
-  if (call.session->base() > 0) return std::unexpected(salvaged_journal());
+  if (call.session->past().base() > 0) return std::unexpected(salvaged_journal());
   const auto name = name_of(*journal);
   if (!name) return std::unexpected(journal_failure(name.error()));
   const std::string* asked = call.request.query_value("journal");
@@ -73,7 +73,7 @@ ApiResponse lasting(const ApiCall& call, std::span<const std::byte> bytes) {
 
 ApiResponse Api::replay(const ApiCall& call) {
   Session& session = *call.session;
-  if (session.base() > 0) return salvaged_journal();
+  if (session.past().base() > 0) return salvaged_journal();
   const auto asked = requested_block(call);
   if (!asked) return asked.error();
   const HashedSolid& now = *asked;

@@ -61,7 +61,7 @@ ApiResponse Api::list_strokes(const ApiCall& call) {
     if (!number) return error_response(400, "bad_since", "since must be the number of a record");
     since = *number;
   }
-  const auto strokes = call.session->strokes(since, call.request.stop);
+  const auto strokes = call.session->past().strokes(since, call.request.stop);
   if (!strokes) return history_failure(*call.session, strokes.error(), call.request.stop);
   Json list = Json::array();
   for (const ListedStroke& stroke : *strokes) list.push_back(stroke_json(stroke));

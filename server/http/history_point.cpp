@@ -120,7 +120,8 @@ std::expected<std::uint64_t, ApiResponse> find_requested(Session& session, const
   if (!point) return std::unexpected(error_response(400, "bad_at", "at " + point.error()));
   const auto record = find_record(session, *point);
   if (record && *record > last()) return std::unexpected(no_record(*record));
-  if (record && *record < session.base()) return std::unexpected(lost_record(session.base()));
+  if (record && *record < session.past().base())
+    return std::unexpected(lost_record(session.past().base()));
   return record;
 }
 

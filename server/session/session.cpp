@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "kernel/cut/workers.h"
-#include "server/history/block_history.h"
 
 namespace kerf {
 namespace {
@@ -26,10 +25,10 @@ Session::Session(std::string id, Replayed replayed, SessionJournal journal, Sess
       id_(std::move(id)),
       scene_(std::move(replayed.scene)),
       sculpture_(std::move(replayed.sculpture)),
-      start_(std::move(replayed.start)),
-      base_(replayed.base),
       limits_(limits),
       journal_(std::move(journal)),
+      past_(sculpture_.settings(), std::move(replayed.start), replayed.base, journal_, *executor_,
+            SessionOwner([this] { return weak_from_this(); })),
       participants_(limits_, sculpture_, journal_, scene_.tools.begin()->first,
                     replayed.last_participant, std::move(replayed.resumable)),
       carving_(limits_, sculpture_, journal_, participants_),
@@ -66,7 +65,7 @@ void Session::leave(ParticipantId id) {
   forget_batch(id);
   participants_.leave(id);
   carving_.costs().forget(id);
-  if (participants_.count() == 0) forget_history();
+  if (participants_.count() == 0) past_.forget();
   show_figures();
 }
 
@@ -151,7 +150,7 @@ std::optional<MotionAnswer> Session::begin_move(ParticipantId id,
   show_figures();
   if (journal_.removal_sequence() != removal_before) schedule_hash();
   write_snapshot_if_due();
-  read_history_ahead();
+  past_.read_ahead();
   return answer;
 }
 
@@ -163,7 +162,7 @@ std::optional<MotionAnswer> Session::go_on(ParticipantId id) {
   show_figures();
   schedule_hash();
   write_snapshot_if_due();
-  read_history_ahead();
+  past_.read_ahead();
   return answer;
 }
 
@@ -238,6 +237,7 @@ void Session::close(const std::string& reason, const std::string& redirect) {
   programs_.cancel_all();
   retire_programs(false);
   closed_ = true;
+  past_.close();
   matters_.close();
   keep_last_state();
   participants_.notify(

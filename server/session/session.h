@@ -17,13 +17,10 @@
 
 #include "kernel/sculpture_state.h"
 #include "server/formats/scene.h"
-#include "server/history/surface_maker.h"
 #include "server/platform/clock.h"
 #include "server/rights/caller.h"
 #include "server/session/carving.h"
 #include "server/session/disk_limits.h"
-#include "server/session/felt_start.h"
-#include "server/session/history_turns.h"
 #include "server/session/live_state.h"
 #include "server/session/participants.h"
 #include "server/session/program_runs.h"
@@ -32,6 +29,7 @@
 #include "server/session/session_journal.h"
 #include "server/session/session_limits.h"
 #include "server/session/session_matters.h"
+#include "server/session/session_past.h"
 #include "server/session/session_places.h"
 #include "server/session/snapshot_schedule.h"
 #include "server/session/stroke_request.h"
@@ -39,7 +37,6 @@
 
 namespace kerf {
 
-class BlockHistory;
 class Workers;
 
 /// Viewers of followed sessions have ids above this. The owner's participants have ids below.
@@ -87,8 +84,9 @@ class Session : public std::enable_shared_from_this<Session> {
   JournalFigures journal_figures() const { return journal_.figures(); }
   CopyNote& copy() const { return journal_.copy(); }
   JournalHealth& health() const { return journal_.health(); }
-  /// The first record after which the block is known (Replayed::base).
-  std::uint64_t base() const { return base_; }
+  /// The history of the block.
+  SessionPast& past() { return past_; }
+  const SessionPast& past() const { return past_; }
   /// Stores or removes an attachment of the journal. No effect in a followed session.
   void attach(AttachmentChange change) { journal_.attach(std::move(change)); }
   /// Size of the journal, its side files and the snapshots, bytes.
@@ -239,30 +237,6 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Like change_strokes(), from the executor. The work is done on the background thread while the
   /// executor serves participants. `done` is called on the executor.
   void change_strokes_later(StrokeRequest request, StrokesDone done);
-  /// Returns the solid as of a record, without the strokes that were undone then. Nullopt if there
-  /// is no such record yet. The error is one sentence. Blocks: do not call on the executor.
-  std::expected<std::optional<SolidSnapshot>, std::string> solid_at(
-      std::uint64_t record, Workers& workers, const std::stop_token& stop = {});
-  /// Returns all tiles that motions have reached, as of a record. Result and errors as for
-  /// solid_at(). Yields to requests about strokes that come meanwhile, then continues.
-  std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_at(
-      std::uint64_t record, Workers& workers, const std::stop_token& stop = {});
-  /// Returns the start for carving the forces of the records from `first` on (export_force_plot).
-  /// Errors as for solid_at().
-  std::expected<FeltStart, std::string> felt_start(std::uint64_t first,
-                                                   std::optional<ParticipantId> only,
-                                                   Workers& workers,
-                                                   const std::stop_token& stop = {});
-  /// Returns the strokes whose last record is `since` or later. Blocks: not on the executor.
-  std::expected<std::vector<ListedStroke>, std::string> strokes(std::uint64_t since,
-                                                                const std::stop_token& stop = {});
-  /// Queries BlockHistory about the motions that make up the block after a record. Block as
-  /// strokes() does.
-  std::expected<std::optional<SurfaceMaker>, std::string> first_to_remove(
-      const StockCell& cell, std::uint64_t record, const std::stop_token& stop = {});
-  std::expected<std::vector<ParticipantId>, std::string> owners(std::span<const StockCell> cells,
-                                                                std::uint64_t record,
-                                                                const std::stop_token& stop = {});
 
   // For a followed session, which another server runs:
   /// Applies the next records of the journal's file for some milliseconds and returns how many.
@@ -306,14 +280,6 @@ class Session : public std::enable_shared_from_this<Session> {
   Outcome write_snapshot(std::uint64_t at, const SculptureState& state);
   Outcome write_snapshot_locked(std::uint64_t at, const SculptureState& state);
   void keep_last_state();
-  Outcome read_history(const std::stop_token& stop);
-  void read_history_ahead();
-  std::expected<std::optional<std::vector<TileReplacement>>, std::string> look_back(
-      const std::function<std::optional<MotionSet>()>& choose, Workers& workers,
-      const std::stop_token& stop);
-  std::expected<SolidSnapshot, std::string> solid_of(std::span<const TileReplacement> tiles) const;
-  std::expected<StrokeSet, Rejection> chosen_strokes(const StrokeRequest& request,
-                                                     std::uint64_t at) const;
   bool may_change(const StrokeRequest& request, ParticipantId participant);
   std::optional<Rejection> note_changes(const StrokeRequest& request, std::span<const Stroke> all);
   Outcome try_to_settle(Workers& workers, const std::stop_token& stop, StrokesChanged& changed);
@@ -327,17 +293,14 @@ class Session : public std::enable_shared_from_this<Session> {
   void show_live(SessionFrame& frame, bool all);
   /// The executor for long work that nobody waits for.
   Executor& background() { return snapshots_.writer != nullptr ? *snapshots_.writer : workers_; }
-  /// Frees the memory of the history unless it is in use.
-  void forget_history();
 
   std::shared_ptr<Executor> executor_;  ///< first, so that it is destroyed last
   std::string id_;
   Scene scene_;
   Sculpture sculpture_;
-  SolidSnapshot start_;  ///< the solid before the first record
-  std::uint64_t base_;
   SessionLimits limits_;
   SessionJournal journal_;
+  SessionPast past_;
   Participants participants_;
   Carving carving_;
   ProgramRuns programs_;
@@ -360,10 +323,6 @@ class Session : public std::enable_shared_from_this<Session> {
   DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next: keep_disk_limits()
   std::optional<JournalErrorCode> reached_;      ///< the disk limit that has been reached
   Clock::time_point changes_reported_{};
-  HistoryTurns history_turns_;             ///< whose turn it is to use the next one
-  std::unique_ptr<BlockHistory> history_;  ///< created on first use
-  std::uint64_t history_read_ = 0;         ///< record up to which it was read ahead
-  bool reads_ahead_ = false;
   SessionMatters matters_;
   JournalParent parent_;
   std::optional<LiveState> live_;  ///< followed session: the newest statement of its owner

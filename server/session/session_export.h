@@ -54,8 +54,8 @@ struct ForcePlotRequest {
 inline constexpr std::size_t kForcePointsMax = 5000;
 
 /// Writes the forces of export_forces() as JSON with one value for each span of records
-/// (ForcePlot). Carves the journal from `start` (Session::felt_start), or from its first record, to
-/// the last record of the plot.
+/// (ForcePlot). Carves the journal from `start` (SessionPast::felt_start), or from its first
+/// record, to the last record of the plot.
 ExportResult export_force_plot(const std::filesystem::path& journal,
                                const ForcePlotRequest& request, std::ostream& out,
                                const std::stop_token& stop = {}, const FeltStart* start = nullptr);

@@ -34,7 +34,7 @@ std::expected<std::size_t, std::string> Session::follow(std::span<const JournalR
   show_figures();
   schedule_hash();
   write_snapshot_if_due();
-  read_history_ahead();
+  past_.read_ahead();
   return done;
 }
 

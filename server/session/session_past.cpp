@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of Session that looks back.
+#include "server/session/session_past.h"
+
 #include <algorithm>
 #include <utility>
 
 #include "server/history/block_history.h"
-#include "server/session/session.h"
+#include "server/history/journal_records.h"
 
 namespace kerf {
 namespace {
+
+/// Number of records after which the journal is read ahead: a bound for the reading of an undo.
+constexpr std::uint64_t kReadAhead = 20'000;
 
 /// Number of records before a span of forces that are carved for the force pending in its first
 /// motions: at most this many for a stroke that reaches into the span, and for other strokes.
@@ -42,22 +46,65 @@ std::vector<FieldTile> shown_tiles(const SolidSnapshot& start, std::vector<Field
 
 }  // namespace
 
+SessionPast::SessionPast(const SculptureSettings& settings, SolidSnapshot start, std::uint64_t base,
+                         SessionJournal& journal, Executor& executor, SessionOwner owner)
+    : settings_(settings),
+      start_(std::move(start)),
+      base_(base),
+      journal_(journal),
+      executor_(executor),
+      owner_(std::move(owner)) {}
+
+SessionPast::~SessionPast() = default;
+
+std::optional<JournalError> SessionPast::damage_after(const std::string& reason,
+                                                      const std::stop_token& stop) const {
+  if (reason == kOthersAskHistory || journal_.pause() || stop.stop_requested()) return std::nullopt;
+  return journal_.health().find_damage(journal_.file(), stop);
+}
+
+std::expected<BlockHistory*, std::string> SessionPast::read(const std::stop_token& stop) {
+  if (auto flushed = journal_.flush(); !flushed) return std::unexpected(describe(flushed.error()));
+  if (!history_) {
+    history_ = std::make_unique<BlockHistory>(journal_records(journal_.file()), settings_, start_);
+  }
+  if (auto ok = history_->catch_up(stop); !ok) return std::unexpected(ok.error());
+  return history_.get();
+}
+
+void SessionPast::read_ahead() {
+  if (background_ == nullptr || closed_ || reads_ahead_) return;
+  if (journal_.sequence() < read_ + kReadAhead) return;
+  reads_ahead_ = true;
+  read_ = journal_.sequence();
+  background_->post([this, session = owner_.hold()] {
+    const auto lock = turns_.try_now();
+    if (lock) (void)read({});  // An undo reports the error later.
+    executor_.post([this, session] { reads_ahead_ = false; });
+  });
+}
+
+void SessionPast::forget() {
+  read_ = 0;
+  const auto lock = turns_.try_now();
+  if (lock) history_.reset();
+}
+
 /// Carves all tiles with the motions that `choose` returns once the journal has been read; nullopt
 /// if it returns none. Yields its turn to requests about strokes and continues after them.
-std::expected<std::optional<std::vector<TileReplacement>>, std::string> Session::look_back(
-    const std::function<std::optional<MotionSet>()>& choose, Workers& workers,
-    const std::stop_token& stop) {
-  using Tiles = std::expected<std::optional<std::vector<TileReplacement>>, std::string>;
+SessionPast::Tiles SessionPast::look_back(const Choose& choose, Workers& workers,
+                                          const std::stop_token& stop) {
   const auto look = [&](const std::stop_token& end) -> Tiles {
-    if (auto read = read_history(end); !read) return std::unexpected(read.error());
-    const std::optional<MotionSet> set = choose();
+    const auto history = read(end);
+    if (!history) return std::unexpected(history.error());
+    const std::optional<MotionSet> set = choose(**history);
     if (!set) return std::nullopt;
-    return history_->carve(shown_tiles(start_, history_->tiles()), *set, workers, end);
+    return (*history)->carve(shown_tiles(start_, (*history)->tiles()), *set, workers, end);
   };
   for (;;) {
     std::stop_source end;
     const std::stop_callback by_caller(stop, [&] { end.request_stop(); });
-    const auto lock = history_turns_.look_back(kHistoryPatience, end);
+    const auto lock = turns_.look_back(kHistoryPatience, end);
     if (!lock) return std::unexpected(kOthersAskHistory);
     auto tiles = look(end.get_token());
     const bool is_interrupted = end.stop_requested() && !stop.stop_requested();
@@ -65,18 +112,18 @@ std::expected<std::optional<std::vector<TileReplacement>>, std::string> Session:
   }
 }
 
-std::expected<std::optional<std::vector<TileReplacement>>, std::string> Session::tiles_at(
+std::expected<std::optional<std::vector<TileReplacement>>, std::string> SessionPast::tiles_at(
     std::uint64_t record, Workers& workers, const std::stop_token& stop) {
-  const auto then = [&]() -> std::optional<MotionSet> {
-    if (record > history_->last() || record < base_) return std::nullopt;
-    return history_->strokes().at(record);
+  const auto then = [&](const BlockHistory& history) -> std::optional<MotionSet> {
+    if (record > history.last() || record < base_) return std::nullopt;
+    return history.strokes().at(record);
   };
   return look_back(then, workers, stop);
 }
 
-std::expected<SolidSnapshot, std::string> Session::solid_of(
+std::expected<SolidSnapshot, std::string> SessionPast::solid_of(
     std::span<const TileReplacement> tiles) const {
-  auto block = Sculpture::create(sculpture_.settings());
+  auto block = Sculpture::create(settings_);
   if (!block) return std::unexpected(block.error().reason);
   SculptureState untouched;
   untouched.solid = start_;
@@ -85,7 +132,7 @@ std::expected<SolidSnapshot, std::string> Session::solid_of(
   return block->solid();
 }
 
-std::expected<std::optional<SolidSnapshot>, std::string> Session::solid_at(
+std::expected<std::optional<SolidSnapshot>, std::string> SessionPast::solid_at(
     std::uint64_t record, Workers& workers, const std::stop_token& stop) {
   const auto tiles = tiles_at(record, workers, stop);
   if (!tiles) return std::unexpected(tiles.error());
@@ -93,15 +140,15 @@ std::expected<std::optional<SolidSnapshot>, std::string> Session::solid_at(
   return solid_of(**tiles);
 }
 
-std::expected<FeltStart, std::string> Session::felt_start(std::uint64_t first,
-                                                          std::optional<ParticipantId> only,
-                                                          Workers& workers,
-                                                          const std::stop_token& stop) {
+std::expected<FeltStart, std::string> SessionPast::felt_start(std::uint64_t first,
+                                                              std::optional<ParticipantId> only,
+                                                              Workers& workers,
+                                                              const std::stop_token& stop) {
   FeltStart start;
-  const auto before = [&]() -> std::optional<MotionSet> {
-    const StrokeTable& strokes = history_->strokes();
-    start.undone = strokes.at(history_->last()).without;
-    start.last = felt_from(strokes, std::min(first, history_->last() + 1), only) - 1;
+  const auto before = [&](const BlockHistory& history) -> std::optional<MotionSet> {
+    const StrokeTable& strokes = history.strokes();
+    start.undone = strokes.at(history.last()).without;
+    start.last = felt_from(strokes, std::min(first, history.last() + 1), only) - 1;
     return MotionSet{start.last, start.undone};
   };
   const auto tiles = look_back(before, workers, stop);
@@ -110,6 +157,39 @@ std::expected<FeltStart, std::string> Session::felt_start(std::uint64_t first,
   if (!solid) return std::unexpected(solid.error());
   start.solid = *std::move(solid);
   return start;
+}
+
+std::expected<std::vector<ListedStroke>, std::string> SessionPast::strokes(
+    std::uint64_t since, const std::stop_token& stop) {
+  const auto lock = ask();
+  if (!lock) return std::unexpected(kOthersAskHistory);
+  const auto history = read(stop);
+  if (!history) return std::unexpected(history.error());
+  const StrokeTable& table = (*history)->strokes();
+  const StrokeSet undone = table.at((*history)->last()).without;
+  std::vector<ListedStroke> list;
+  for (const Stroke& stroke : table.all()) {
+    if (stroke.last >= since) list.push_back({stroke, undone.contains(stroke.id)});
+  }
+  return list;
+}
+
+std::expected<std::optional<SurfaceMaker>, std::string> SessionPast::first_to_remove(
+    const StockCell& cell, std::uint64_t record, const std::stop_token& stop) {
+  const auto lock = ask();
+  if (!lock) return std::unexpected(kOthersAskHistory);
+  const auto history = read(stop);
+  if (!history) return std::unexpected(history.error());
+  return (*history)->first_to_remove(cell, (*history)->strokes().at(record), stop);
+}
+
+std::expected<std::vector<ParticipantId>, std::string> SessionPast::owners(
+    std::span<const StockCell> cells, std::uint64_t record, const std::stop_token& stop) {
+  const auto lock = ask();
+  if (!lock) return std::unexpected(kOthersAskHistory);
+  const auto history = read(stop);
+  if (!history) return std::unexpected(history.error());
+  return (*history)->owners(cells, (*history)->strokes().at(record), stop);
 }
 
 }  // namespace kerf

@@ -11,9 +11,9 @@
 namespace kerf {
 namespace {
 
-class SessionPast final : public PastSource {
+class SessionPastSource final : public PastSource {
  public:
-  explicit SessionPast(std::shared_ptr<Session> session)
+  explicit SessionPastSource(std::shared_ptr<Session> session)
       : session_(std::move(session)), records_(journal_records(session_->journal_file())) {}
 
   const Scene& scene() const override { return session_->scene(); }
@@ -21,7 +21,7 @@ class SessionPast final : public PastSource {
   std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_at(
       std::uint64_t record, const std::stop_token& stop) override {
     SerialWorkers alone;
-    return session_->tiles_at(record, alone, stop);
+    return session_->past().tiles_at(record, alone, stop);
   }
 
   std::expected<std::int64_t, std::string> time_of(std::uint64_t record) override {
@@ -50,7 +50,7 @@ class SessionPast final : public PastSource {
 }  // namespace
 
 std::unique_ptr<PastSource> past_of(std::shared_ptr<Session> session) {
-  return std::make_unique<SessionPast>(std::move(session));
+  return std::make_unique<SessionPastSource>(std::move(session));
 }
 
 }  // namespace kerf

@@ -103,7 +103,7 @@ void Session::run_programs() {
   retire_programs();
   show_figures();
   write_snapshot_if_due();
-  read_history_ahead();
+  past_.read_ahead();
   if (!wait) {
     programs_scheduled_ = false;
     return;

@@ -8,10 +8,9 @@
 #include <utility>
 
 #include "server/history/block_history.h"
-#include "server/history/journal_records.h"
 #include "server/platform/clock.h"
 #include "server/rights/rights.h"
-#include "server/session/history_failure.h"
+#include "server/session/session.h"
 #include "server/threads/run_and_wait.h"
 
 namespace kerf {
@@ -24,14 +23,40 @@ constexpr std::chrono::seconds kRetry{1};
 /// Motions cut again in one turn, and the number of rounds that try to reduce them to this.
 constexpr std::size_t kSinceMax = 100;
 constexpr int kRoundsMax = 4;
-/// Number of records after which the journal is read ahead: a bound for the reading of an undo.
-constexpr std::uint64_t kReadAhead = 20'000;
 
 Rejection no_stroke(const std::string& reason) { return {wire::ErrorCode::kBadMessage, reason}; }
 
 StrokeSet strokes_of(const std::map<StrokeId, std::uint64_t>& changes) {
   StrokeSet strokes;
   for (const auto& [stroke, record] : changes) strokes.insert(strokes.end(), stroke);
+  return strokes;
+}
+
+/// Returns the strokes of a request made after record `at`. They must exist and not be in that
+/// state.
+std::expected<StrokeSet, Rejection> chosen_strokes(const BlockHistory& history,
+                                                   const StrokeRequest& request, std::uint64_t at) {
+  const StrokeTable& table = history.strokes();
+  const StrokeSet undone = table.at(history.last()).without;
+  StrokeSet strokes(request.strokes.begin(), request.strokes.end());
+  if (strokes.empty()) {
+    const StrokeId newest = request.undone ? table.newest(request.participant, at)
+                                           : table.last_undone(request.participant, at);
+    if (newest == 0) {
+      return std::unexpected(no_stroke("participant " + std::to_string(request.participant) +
+                                       " has no stroke to " + (request.undone ? "undo" : "redo")));
+    }
+    strokes.insert(newest);
+  }
+  for (const StrokeId id : strokes) {
+    if (table.find(id) == nullptr) {
+      return std::unexpected(no_stroke("no stroke begins with record " + std::to_string(id)));
+    }
+    if (undone.contains(id) == request.undone) {
+      return std::unexpected(no_stroke("stroke " + std::to_string(id) +
+                                       (request.undone ? " is" : " is not") + " undone"));
+    }
+  }
   return strokes;
 }
 
@@ -54,57 +79,6 @@ class Collecting {
 };
 
 }  // namespace
-
-/// Reads the committed records, including all journaled before the call. Call with the lock held.
-std::expected<void, std::string> Session::read_history(const std::stop_token& stop) {
-  if (auto flushed = journal_.flush(); !flushed) return std::unexpected(describe(flushed.error()));
-  if (!history_) {
-    history_ = std::make_unique<BlockHistory>(journal_records(journal_.file()),
-                                              sculpture_.settings(), start_);
-  }
-  return history_->catch_up(stop);
-}
-
-/// Reads the journal on the background thread if it has grown enough.
-void Session::read_history_ahead() {
-  if (snapshots_.writer == nullptr || closed_ || reads_ahead_) return;
-  if (sequence() < history_read_ + kReadAhead) return;
-  reads_ahead_ = true;
-  history_read_ = sequence();
-  snapshots_.writer->post([self = shared_from_this()] {
-    const auto lock = self->history_turns_.try_now();
-    if (lock) (void)self->read_history({});  // An undo reports the error later.
-    self->executor_->post([self] { self->reads_ahead_ = false; });
-  });
-}
-
-/// Returns the strokes of a request made after record `at`. They must exist and not be in that
-/// state.
-std::expected<StrokeSet, Rejection> Session::chosen_strokes(const StrokeRequest& request,
-                                                            std::uint64_t at) const {
-  const StrokeTable& table = history_->strokes();
-  const StrokeSet undone = table.at(history_->last()).without;
-  StrokeSet strokes(request.strokes.begin(), request.strokes.end());
-  if (strokes.empty()) {
-    const StrokeId newest = request.undone ? table.newest(request.participant, at)
-                                           : table.last_undone(request.participant, at);
-    if (newest == 0) {
-      return std::unexpected(no_stroke("participant " + std::to_string(request.participant) +
-                                       " has no stroke to " + (request.undone ? "undo" : "redo")));
-    }
-    strokes.insert(newest);
-  }
-  for (const StrokeId id : strokes) {
-    if (table.find(id) == nullptr) {
-      return std::unexpected(no_stroke("no stroke begins with record " + std::to_string(id)));
-    }
-    if (undone.contains(id) == request.undone) {
-      return std::unexpected(no_stroke("stroke " + std::to_string(id) +
-                                       (request.undone ? " is" : " is not") + " undone"));
-    }
-  }
-  return strokes;
-}
 
 /// Whether the author may change a stroke of a participant: its own, or any as an owner.
 bool Session::may_change(const StrokeRequest& request, ParticipantId participant) {
@@ -152,18 +126,18 @@ std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeReq
                                                                  const std::stop_token& stop) try {
   const std::uint64_t at =
       request.at ? *request.at : run_and_wait(*executor_, [this] { return sequence(); });
-  const auto lock = history_turns_.ask(kHistoryPatience);
-  const auto read = lock ? read_history(stop) : std::unexpected(std::string(kOthersAskHistory));
-  if (!read) {
-    const auto damage = damage_after(*this, read.error(), stop);
+  const auto lock = past_.ask();
+  const auto history = lock ? past_.read(stop) : std::unexpected(std::string(kOthersAskHistory));
+  if (!history) {
+    const auto damage = past_.damage_after(history.error(), stop);
     return std::unexpected(damage
                                ? Rejection{wire::ErrorCode::kDamagedJournal, damage_text(*damage)}
-                               : Rejection{wire::ErrorCode::kBusy, read.error()});
+                               : Rejection{wire::ErrorCode::kBusy, history.error()});
   }
-  const auto chosen = chosen_strokes(request, at);
+  const auto chosen = chosen_strokes(**history, request, at);
   if (!chosen) return std::unexpected(chosen.error());
   std::vector<Stroke> strokes;
-  for (const StrokeId id : *chosen) strokes.push_back(*history_->strokes().find(id));
+  for (const StrokeId id : *chosen) strokes.push_back(*(*history)->strokes().find(id));
   StrokesChanged changed{.strokes = {chosen->begin(), chosen->end()}};
   const auto rejected = run_and_wait(*executor_, [&] {
     auto fault = note_changes(request, strokes);
@@ -223,8 +197,9 @@ std::expected<void, std::string> Session::settle(Workers& workers, const std::st
     strokes = strokes_of(unsettled_);
     return sequence();
   });
-  if (auto read = read_history(stop); !read) return read;
-  const auto reached = history_->reach(strokes, stop);
+  const auto history = past_.read(stop);
+  if (!history) return std::unexpected(history.error());
+  const auto reached = (*history)->reach(strokes, stop);
   if (!reached) return std::unexpected(reached.error());
   for (std::span<const FieldTile> left(*reached); !left.empty();) {
     const auto some = left.first(std::min(kTilesAtOnce, left.size()));
@@ -260,9 +235,10 @@ std::expected<void, std::string> Session::settle_tiles(std::span<const FieldTile
       carving_.begin_collecting();
       return Begun{strokes_of(unsettled_), sequence(), sculpture_.solid()};
     });
-    if (auto read = read_history(stop); !read) return std::unexpected(read.error());
-    const MotionSet set = history_->strokes().at(begun.sequence);
-    return history_->change(begun.solid, some, begun.strokes, set, workers, stop);
+    const auto history = past_.read(stop);
+    if (!history) return std::unexpected(history.error());
+    const MotionSet set = (*history)->strokes().at(begun.sequence);
+    return (*history)->change(begun.solid, some, begun.strokes, set, workers, stop);
   };
   auto tiles = carve();
   // Each round takes less time than the last, so fewer motions arrive during it.
@@ -297,46 +273,11 @@ void Session::retry_settling() {
 /// Re-carves changed strokes on the background thread.
 void Session::settle_later() {
   background().post([self = shared_from_this()] {
-    const auto lock = self->history_turns_.ask(kHistoryPatience);
+    const auto lock = self->past_.ask();
     SerialWorkers alone;
     StrokesChanged ignored;
     if (!lock || !self->try_to_settle(alone, {}, ignored)) self->retry_settling();
   });
-}
-
-void Session::forget_history() {
-  history_read_ = 0;
-  const auto lock = history_turns_.try_now();
-  if (lock) history_.reset();
-}
-
-std::expected<std::vector<ListedStroke>, std::string> Session::strokes(
-    std::uint64_t since, const std::stop_token& stop) {
-  const auto lock = history_turns_.ask(kHistoryPatience);
-  if (!lock) return std::unexpected(kOthersAskHistory);
-  if (auto read = read_history(stop); !read) return std::unexpected(read.error());
-  const StrokeSet undone = history_->strokes().at(history_->last()).without;
-  std::vector<ListedStroke> list;
-  for (const Stroke& stroke : history_->strokes().all()) {
-    if (stroke.last >= since) list.push_back({stroke, undone.contains(stroke.id)});
-  }
-  return list;
-}
-
-std::expected<std::optional<SurfaceMaker>, std::string> Session::first_to_remove(
-    const StockCell& cell, std::uint64_t record, const std::stop_token& stop) {
-  const auto lock = history_turns_.ask(kHistoryPatience);
-  if (!lock) return std::unexpected(kOthersAskHistory);
-  if (auto read = read_history(stop); !read) return std::unexpected(read.error());
-  return history_->first_to_remove(cell, history_->strokes().at(record), stop);
-}
-
-std::expected<std::vector<ParticipantId>, std::string> Session::owners(
-    std::span<const StockCell> cells, std::uint64_t record, const std::stop_token& stop) {
-  const auto lock = history_turns_.ask(kHistoryPatience);
-  if (!lock) return std::unexpected(kOthersAskHistory);
-  if (auto read = read_history(stop); !read) return std::unexpected(read.error());
-  return history_->owners(cells, history_->strokes().at(record), stop);
 }
 
 }  // namespace kerf

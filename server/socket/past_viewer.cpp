@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "server/metrics/metrics.h"
-#include "server/session/history_failure.h"
 #include "server/session/session_past_source.h"
 #include "server/wire/codec.h"
 
@@ -118,7 +117,7 @@ void PastViewer::go(Side& side, const Job& job, const std::stop_token& stop, Res
 
 /// Distinguishes damage of the journal, which persists, from temporary failures.
 void PastViewer::explain(const Session& session, const std::stop_token& stop, Result& result) {
-  const auto damage = damage_after(session, result.error, stop);
+  const auto damage = session.past().damage_after(result.error, stop);
   if (!damage) return;
   result.is_damaged = true;
   result.error = damage_text(*damage);

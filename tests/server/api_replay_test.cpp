@@ -122,7 +122,7 @@ TEST_F(ApiReplay, SeeksReachAnyRecordToTheBitAtAnySpeed) {
     const std::uint64_t record = n == 0 ? 0 : random() % last;
     go(block, random() % (last + 1), true);
     go(block, record, n % 2 == 0);
-    const auto there = session->solid_at(record, alone, {});
+    const auto there = session->past().solid_at(record, alone, {});
     ASSERT_TRUE(there && *there);
     EXPECT_EQ(block.hash(), (*there)->hash()) << record;
   }

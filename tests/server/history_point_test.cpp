@@ -197,7 +197,7 @@ TEST_F(ForcePlots, FromTheHistoryEqualThoseFromTheFirstRecord) {
   for (std::uint64_t first = 1; first < end + 50; first += 67) {
     for (const auto& only : {std::optional<ParticipantId>(), std::optional(bo)}) {
       const ForcePlotRequest request{.only = only, .first = first, .last = first + 40};
-      const auto start = session_->felt_start(first, only, alone);
+      const auto start = session_->past().felt_start(first, only, alone);
       ASSERT_TRUE(start) << start.error();
       EXPECT_LT(start->last, first);
       std::ostringstream all, part;

@@ -40,7 +40,7 @@ class Past : public SessionUndo {
   }
   std::uint64_t hash_at(std::uint64_t record) {
     SerialWorkers alone;
-    return session_->solid_at(record, alone).value().value().hash();
+    return session_->past().solid_at(record, alone).value().value().hash();
   }
   static bool seek(PastBlock& block, std::uint64_t record) {
     const auto done = block.seek(record, {});
@@ -234,7 +234,7 @@ class AskingWorkers final : public Workers {
       auto asks = asking.get_future();
       answer_ = std::async(std::launch::async, [this, asking = std::move(asking)]() mutable {
         asking.set_value();
-        return session_.strokes(0);
+        return session_.past().strokes(0);
       });
       asks.wait();
       std::this_thread::sleep_for(300ms);
@@ -256,7 +256,7 @@ TEST_F(Past, YieldsToStrokeRequests) {
   carve();
   AskingWorkers workers(*session_);
   const std::uint64_t last = session_->sequence();
-  const auto solid = session_->solid_at(last, workers);
+  const auto solid = session_->past().solid_at(last, workers);
   ASSERT_TRUE(solid) << solid.error();
   EXPECT_EQ((*solid)->hash(), hash());
   EXPECT_TRUE(workers.is_answered_first());

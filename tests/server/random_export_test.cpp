@@ -196,7 +196,7 @@ class RandomExport : public SessionExport {
 
   void change_some(bool undone) {
     std::vector<StrokeId> possible;
-    const auto strokes = session_->strokes(0);
+    const auto strokes = session_->past().strokes(0);
     for (const ListedStroke& listed : strokes.value()) {
       if (listed.is_undone != undone) possible.push_back(listed.stroke.id);
     }

@@ -35,7 +35,7 @@ class Branches : public SessionUndo {
   }
   std::uint64_t hash_at(std::uint64_t record) {
     SerialWorkers alone;
-    return session_->solid_at(record, alone).value().value().hash();
+    return session_->past().solid_at(record, alone).value().value().hash();
   }
   /// Makes strokes, some of them undone, in several commits.
   void carve() {
@@ -87,7 +87,7 @@ TEST_F(Branches, UndoStrokesOfTheParent) {
   carve();
   const std::uint64_t parent_hash = hash(), parent_last = session_->sequence();
   auto parent = std::exchange(session_, branch("other", c_ + 19));
-  EXPECT_EQ(session_->strokes(0)->size(), 3U);
+  EXPECT_EQ(session_->past().strokes(0)->size(), 3U);
   // Strokes undone at the branch can be redone, and the rest undone.
   redo({a_});
   EXPECT_EQ(hash(), never_happened());
@@ -113,7 +113,7 @@ TEST_F(Branches, UndoStrokesOfTheParent) {
   ASSERT_TRUE(session_);
   EXPECT_EQ(hash(), expected);
   EXPECT_EQ(session_->parent().session, "block");
-  EXPECT_EQ(session_->strokes(0)->size(), 4U);
+  EXPECT_EQ(session_->past().strokes(0)->size(), 4U);
 }
 
 TEST_F(Branches, FromTheUntouchedBlockHaveItsTools) {

@@ -269,13 +269,13 @@ TEST_F(SessionUndo, PastEqualsTheBlockAfterARecordToTheBit) {
   test::ThreadWorkers two(2);
   for (int round = 0; round < 2; ++round) {
     for (const auto& [record, expected] : hashes) {
-      const auto then = session_->solid_at(record, two);
+      const auto then = session_->past().solid_at(record, two);
       ASSERT_TRUE(then && *then) << record;
       EXPECT_EQ((*then)->hash(), expected) << "after record " << record;
     }
     reload();
   }
-  const auto later = session_->solid_at(session_->sequence() + 1, two);
+  const auto later = session_->past().solid_at(session_->sequence() + 1, two);
   EXPECT_TRUE(later && !*later);
 }
 

@@ -51,7 +51,8 @@ class RandomHistory : public SessionUndo {
       if (HasFailure()) return;
     }
     const std::uint64_t record = one_of(session_->sequence() + 1);
-    EXPECT_EQ(session_->solid_at(record, schedule_).value().value().hash(), never_happened(record));
+    EXPECT_EQ(session_->past().solid_at(record, schedule_).value().value().hash(),
+              never_happened(record));
   }
 
  private:
@@ -117,7 +118,7 @@ class RandomHistory : public SessionUndo {
   /// Undoes or redoes up to three eligible strokes.
   void change_some(bool undone) {
     std::vector<StrokeId> possible;
-    const auto strokes = session_->strokes(0);
+    const auto strokes = session_->past().strokes(0);
     for (const ListedStroke& listed : strokes.value()) {
       if (listed.is_undone != undone) possible.push_back(listed.stroke.id);
     }

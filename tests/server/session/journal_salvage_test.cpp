@@ -34,7 +34,7 @@ class JournalSalvage : public DamageTest {
   }
   std::uint64_t hash_at(std::uint64_t record) {
     SerialWorkers alone;
-    const auto solid = session->solid_at(record, alone);
+    const auto solid = session->past().solid_at(record, alone);
     EXPECT_TRUE(solid && *solid);
     return solid && *solid ? (*solid)->hash() : 0;
   }
@@ -59,7 +59,7 @@ TEST_F(JournalSalvage, KeepsTheSnapshotAndLaterRecords) {
   EXPECT_EQ(session->solid().hash(), without);
   EXPECT_EQ(hash_at(strokes[3] - 1), then);
   EXPECT_EQ(hash_at(last), hash);
-  const auto list = session->strokes(0);
+  const auto list = session->past().strokes(0);
   ASSERT_TRUE(list && !list->empty());
   EXPECT_EQ(list->back().stroke.id, strokes[3]);
   EXPECT_TRUE(list->back().is_undone);
