@@ -114,7 +114,7 @@ void AgentConversation::change_stroke(bool undone) {
   *changes_ = true;
   const StrokeRequest request{
       .undone = undone, .participant = self_->id, .author = self_->id, .caller = {}};
-  session().change_strokes_later(
+  session().stroke_changes().change_later(
       request, [this, undone, alive = std::weak_ptr(changes_)](const auto& changed) {
         if (alive.expired()) return;
         *changes_ = false;

@@ -111,7 +111,7 @@ ApiResponse Api::change_strokes(const ApiCall& call, bool undone) {
     if (!id) return error_response(400, "bad_participant", "participant must be a number");
     request.participant = *id;
   }
-  const auto changed = call.session->change_strokes(request, carvers(), call.request.stop);
+  const auto changed = call.session->stroke_changes().change(request, carvers(), call.request.stop);
   if (!changed) return stroke_failure(changed.error());
   Json answer = {{"strokes", changed->strokes},
                  {"sequence", changed->sequence},

@@ -32,6 +32,12 @@ Session::Session(std::string id, Replayed replayed, SessionJournal journal, Sess
       participants_(limits_, sculpture_, journal_, scene_.tools.begin()->first,
                     replayed.last_participant, std::move(replayed.resumable)),
       carving_(limits_, sculpture_, journal_, participants_),
+      stroke_changes_({*executor_, sculpture_, journal_, past_, participants_, carving_}, workers,
+                      SessionOwner([this] { return weak_from_this(); }),
+                      [this] {
+                        show_figures();
+                        schedule_hash();
+                      }),
       workers_(workers),
       schedule_({}, replayed.snapshot_sequence, replayed.replay_time, Clock::now()),
       good_snapshot_(replayed.snapshot),
@@ -238,6 +244,7 @@ void Session::close(const std::string& reason, const std::string& redirect) {
   retire_programs(false);
   closed_ = true;
   past_.close();
+  stroke_changes_.close();
   matters_.close();
   keep_last_state();
   participants_.notify(

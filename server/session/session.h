@@ -32,7 +32,7 @@
 #include "server/session/session_past.h"
 #include "server/session/session_places.h"
 #include "server/session/snapshot_schedule.h"
-#include "server/session/stroke_request.h"
+#include "server/session/stroke_changes.h"
 #include "server/threads/executor.h"
 
 namespace kerf {
@@ -87,6 +87,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// The history of the block.
   SessionPast& past() { return past_; }
   const SessionPast& past() const { return past_; }
+  /// Undo and redo.
+  StrokeChanges& stroke_changes() { return stroke_changes_; }
   /// Stores or removes an attachment of the journal. No effect in a followed session.
   void attach(AttachmentChange change) { journal_.attach(std::move(change)); }
   /// Size of the journal, its side files and the snapshots, bytes.
@@ -176,7 +178,9 @@ class Session : public std::enable_shared_from_this<Session> {
   }
   /// Whether a motion is partly cut, or an undo or redo is not yet carved into the solid, so that
   /// the solid matches no record of the journal.
-  bool is_between_records() const { return carving_.is_between_records() || !unsettled_.empty(); }
+  bool is_between_records() const {
+    return carving_.is_between_records() || stroke_changes_.are_pending();
+  }
 
   /// Returns the update that the participant's replica of the block lacks; nullopt if it is
   /// complete or the participant keeps none.
@@ -225,19 +229,6 @@ class Session : public std::enable_shared_from_this<Session> {
   /// is_between_records() was false.
   void note_hash(StateHash state);
 
-  /// Undoes or redoes strokes. Afterwards the block is, to the bit, as if only the remaining
-  /// strokes had happened. Blocks until then: do not call on the executor. Participants carve
-  /// meanwhile: the session's thread is used for about a millisecond at a time. Requests wait for
-  /// each other. Errors: kNotAllowed; kBadMessage for a stroke that does not exist or is already in
-  /// that state; kBusy if the disk fails or `stop` was requested early; kDamagedJournal.
-  std::expected<StrokesChanged, Rejection> change_strokes(const StrokeRequest& request,
-                                                          Workers& workers,
-                                                          const std::stop_token& stop = {});
-  using StrokesDone = std::function<void(const std::expected<StrokesChanged, Rejection>&)>;
-  /// Like change_strokes(), from the executor. The work is done on the background thread while the
-  /// executor serves participants. `done` is called on the executor.
-  void change_strokes_later(StrokeRequest request, StrokesDone done);
-
   // For a followed session, which another server runs:
   /// Applies the next records of the journal's file for some milliseconds and returns how many.
   /// Undone and redone strokes are carved later. The error is one sentence.
@@ -280,19 +271,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Outcome write_snapshot(std::uint64_t at, const SculptureState& state);
   Outcome write_snapshot_locked(std::uint64_t at, const SculptureState& state);
   void keep_last_state();
-  bool may_change(const StrokeRequest& request, ParticipantId participant);
-  std::optional<Rejection> note_changes(const StrokeRequest& request, std::span<const Stroke> all);
-  Outcome try_to_settle(Workers& workers, const std::stop_token& stop, StrokesChanged& changed);
-  Outcome settle(Workers& workers, const std::stop_token& stop, StrokesChanged& changed);
-  Outcome settle_tiles(std::span<const FieldTile> some, Workers& workers,
-                       const std::stop_token& stop, StrokesChanged& changed);
-  Outcome wait_for_pieces(const std::stop_token& stop);
-  void retry_settling();
-  void settle_later();
-  void follow_change(const StrokeChange& change);
   void show_live(SessionFrame& frame, bool all);
-  /// The executor for long work that nobody waits for.
-  Executor& background() { return snapshots_.writer != nullptr ? *snapshots_.writer : workers_; }
 
   std::shared_ptr<Executor> executor_;  ///< first, so that it is destroyed last
   std::string id_;
@@ -303,6 +282,7 @@ class Session : public std::enable_shared_from_this<Session> {
   SessionPast past_;
   Participants participants_;
   Carving carving_;
+  StrokeChanges stroke_changes_;
   ProgramRuns programs_;
   bool programs_scheduled_ = false;
   std::uint64_t programs_sent_ = 0;  ///< ProgramRuns::changes() as of the last frame with programs
@@ -328,7 +308,6 @@ class Session : public std::enable_shared_from_this<Session> {
   std::optional<LiveState> live_;  ///< followed session: the newest statement of its owner
   std::string live_programs_sent_;
   std::size_t viewers_elsewhere_ = 0;
-  std::map<StrokeId, std::uint64_t> unsettled_;  ///< record of each change not yet carved
   std::atomic<std::uint64_t> shown_motions_ = 0;
   std::atomic<double> shown_removed_mm3_ = 0;
   std::atomic<std::size_t> shown_participants_ = 0;

@@ -23,7 +23,7 @@ std::expected<std::size_t, std::string> Session::follow(std::span<const JournalR
     if (closed_ || (done > 0 && Clock::now() >= end)) break;
     journal_.advance(record.sequence);
     if (const auto* change = std::get_if<StrokeChange>(&record.command)) {
-      follow_change(*change);
+      stroke_changes_.follow(*change);
     } else if (auto ok = carving_.follow(record.participant, *kernel_command(record.command));
                !ok) {
       return std::unexpected("record " + std::to_string(record.sequence) + ": " +
@@ -36,13 +36,6 @@ std::expected<std::size_t, std::string> Session::follow(std::span<const JournalR
   write_snapshot_if_due();
   past_.read_ahead();
   return done;
-}
-
-/// From now on the block is wrong until the stroke's tiles have been carved again.
-void Session::follow_change(const StrokeChange& change) {
-  unsettled_[change.stroke] = sequence();
-  journal_.note_removal();
-  settle_later();
 }
 
 std::expected<bool, std::string> Session::compare_hash(StateHash owners) const {

@@ -16,7 +16,10 @@ constexpr int kLastSnapshotShare = 10;
 void Session::keep_snapshots(SnapshotOptions options) {
   snapshots_ = std::move(options);
   schedule_.set(snapshots_.limits);
-  if (snapshots_.writer != nullptr) past_.read_ahead_on(*snapshots_.writer);
+  if (snapshots_.writer != nullptr) {
+    past_.read_ahead_on(*snapshots_.writer);
+    stroke_changes_.work_on(*snapshots_.writer);
+  }
   executor_->post([weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->write_snapshot_if_due();
   });

@@ -21,7 +21,7 @@ struct StrokeRequest {
   std::vector<StrokeId> strokes = {};
   ParticipantId participant = 0;
   /// The last record when `participant` made the request: later strokes and changes do not count.
-  /// Nullopt: the last record when change_strokes() is called.
+  /// Nullopt: the last record when StrokeChanges::change() is called.
   std::optional<std::uint64_t> at = std::nullopt;
   ParticipantId author = 0;  ///< the participant that makes the request; 0 if the caller is none
   Caller caller = {};        ///< used if `author` is 0

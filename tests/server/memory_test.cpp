@@ -55,7 +55,7 @@ class SessionWithoutMemory : public SessionUndo {
     request.caller = Caller::local();
     return get(std::async(std::launch::async, [this, request] {
       SerialWorkers alone;
-      return session_->change_strokes(request, alone).has_value();
+      return session_->stroke_changes().change(request, alone).has_value();
     }));
   }
   StrokeId crossing_ = 0;

@@ -197,7 +197,7 @@ TEST_F(SessionFollow, OnlyTheOwnersRecordsChangeIt) {
   ASSERT_FALSE(answer.rejections.empty());
   EXPECT_EQ(answer.rejections.front().code, wire::ErrorCode::kNotAllowed);
   SerialWorkers alone;
-  const auto undone = follower_->change_strokes(
+  const auto undone = follower_->stroke_changes().change(
       {.undone = true, .participant = ada, .caller = Caller::local()}, alone);
   ASSERT_FALSE(undone);
   EXPECT_EQ(undone.error().code, wire::ErrorCode::kNotAllowed);

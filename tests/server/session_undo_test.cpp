@@ -64,7 +64,7 @@ TEST_F(SessionUndo, NewestStrokeIsThatAtTheRequest) {
     request.caller = Caller::local();
     return std::async(std::launch::async, [this, request] {
       SerialWorkers alone;
-      return session_->change_strokes(request, alone);
+      return session_->stroke_changes().change(request, alone);
     });
   };
   const auto wait_for_turns = [this](std::size_t count) {
@@ -330,7 +330,7 @@ TEST_F(SessionUndo, InvalidOrForbiddenRequestsChangeNothing) {
   std::expected<StrokesChanged, Rejection> refused;
   auto asked = std::async(std::launch::async, [&] {
     SerialWorkers alone;
-    return session_->change_strokes({.strokes = {a}, .caller = watcher}, alone);
+    return session_->stroke_changes().change({.strokes = {a}, .caller = watcher}, alone);
   });
   while (asked.wait_for(std::chrono::milliseconds(1)) != std::future_status::ready) {
     executor_->run();

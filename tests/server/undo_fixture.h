@@ -109,7 +109,8 @@ class SessionUndo : public testing::Test {
     if (request.author == 0) request.caller = Caller::local();
     auto answer = std::async(std::launch::async, [&] {
       test::ThreadWorkers two(2);
-      return session_->change_strokes(request, carvers_ != nullptr ? *carvers_ : two, stop);
+      return session_->stroke_changes().change(request, carvers_ != nullptr ? *carvers_ : two,
+                                               stop);
     });
     while (answer.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) {
       executor_->run();

@@ -28,7 +28,7 @@ class JournalSalvage : public DamageTest {
   std::uint64_t undo(std::uint64_t stroke) {
     SerialWorkers alone;
     const auto undone =
-        session->change_strokes({.strokes = {stroke}, .caller = Caller::local()}, alone);
+        session->stroke_changes().change({.strokes = {stroke}, .caller = Caller::local()}, alone);
     EXPECT_TRUE(undone) << undone.error().reason;
     return session->solid().hash();
   }

@@ -153,7 +153,7 @@ TEST_F(JournalWatchTest, RequestsForADamagedRecordNameIt) {
   }
   SerialWorkers alone;
   const auto undone =
-      session->change_strokes({.strokes = {strokes[3]}, .caller = Caller::local()}, alone);
+      session->stroke_changes().change({.strokes = {strokes[3]}, .caller = Caller::local()}, alone);
   ASSERT_FALSE(undone);
   EXPECT_EQ(undone.error().code, wire::ErrorCode::kDamagedJournal);
 }

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of Session that undoes and redoes strokes.
+#include "server/session/stroke_changes.h"
+
 #include <algorithm>
-#include <map>
 #include <new>
-#include <span>
 #include <thread>
 #include <utility>
 
+#include "kernel/cut/workers.h"
 #include "server/history/block_history.h"
 #include "server/platform/clock.h"
 #include "server/rights/rights.h"
-#include "server/session/session.h"
 #include "server/threads/run_and_wait.h"
 
 namespace kerf {
@@ -18,7 +17,7 @@ namespace {
 
 /// Time on the session's thread of one turn of replacing tiles, and the pause before tiles are
 /// carved again after the journal could not be read.
-constexpr std::chrono::microseconds kTurn{1000};
+constexpr std::chrono::microseconds kReplaceTurn{1000};
 constexpr std::chrono::seconds kRetry{1};
 /// Motions cut again in one turn, and the number of rounds that try to reduce them to this.
 constexpr std::size_t kSinceMax = 100;
@@ -80,19 +79,33 @@ class Collecting {
 
 }  // namespace
 
+StrokeChanges::StrokeChanges(const Parts& parts, Executor& background, SessionOwner owner,
+                             std::function<void()> settled)
+    : executor_(parts.executor),
+      sculpture_(parts.sculpture),
+      journal_(parts.journal),
+      past_(parts.past),
+      participants_(parts.participants),
+      carving_(parts.carving),
+      background_(&background),
+      owner_(std::move(owner)),
+      settled_(std::move(settled)) {}
+
 /// Whether the author may change a stroke of a participant: its own, or any as an owner.
-bool Session::may_change(const StrokeRequest& request, ParticipantId participant) {
+bool StrokeChanges::may_change(const StrokeRequest& request, ParticipantId participant) {
   const ParticipantState* author = participants_.find(request.author);
   const Role role = author != nullptr ? author->participant.role : request.caller.role;
   if (may(role, Action::kModerate)) return true;
   if (!may(role, Action::kUndo)) return false;
   if (request.author != 0) return request.author == participant;
-  return request.caller.is_personal && request.caller.grant == person(participant);
+  const ParticipantState* state = participants_.find(participant);
+  const std::string person = state == nullptr ? "" : state->person;
+  return request.caller.is_personal && request.caller.grant == person;
 }
 
 /// Journals the changes. From then on the block is wrong until settle() has replaced its tiles.
-std::optional<Rejection> Session::note_changes(const StrokeRequest& request,
-                                               std::span<const Stroke> all) {
+std::optional<Rejection> StrokeChanges::note(const StrokeRequest& request,
+                                             std::span<const Stroke> all) {
   using enum wire::ErrorCode;
   if (closed_) return Rejection{kUnknownSession, "the session is closed"};
   const ParticipantState* author = participants_.find(request.author);
@@ -108,7 +121,7 @@ std::optional<Rejection> Session::note_changes(const StrokeRequest& request,
   if (auto ok = journal_.check_space_for_programs(); !ok) return ok.error();
   std::vector<RecordedCommand> changes;
   auto unsettled = unsettled_;
-  std::uint64_t record = sequence();
+  std::uint64_t record = journal_.sequence();
   for (const Stroke& stroke : all) {
     changes.emplace_back(StrokeChange{stroke.id, request.undone});
     unsettled[stroke.id] = ++record;
@@ -121,11 +134,11 @@ std::optional<Rejection> Session::note_changes(const StrokeRequest& request,
   return std::nullopt;
 }
 
-std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeRequest& request,
-                                                                 Workers& workers,
-                                                                 const std::stop_token& stop) try {
+std::expected<StrokesChanged, Rejection> StrokeChanges::change(const StrokeRequest& request,
+                                                               Workers& workers,
+                                                               const std::stop_token& stop) try {
   const std::uint64_t at =
-      request.at ? *request.at : run_and_wait(*executor_, [this] { return sequence(); });
+      request.at ? *request.at : run_and_wait(executor_, [this] { return journal_.sequence(); });
   const auto lock = past_.ask();
   const auto history = lock ? past_.read(stop) : std::unexpected(std::string(kOthersAskHistory));
   if (!history) {
@@ -139,9 +152,9 @@ std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeReq
   std::vector<Stroke> strokes;
   for (const StrokeId id : *chosen) strokes.push_back(*(*history)->strokes().find(id));
   StrokesChanged changed{.strokes = {chosen->begin(), chosen->end()}};
-  const auto rejected = run_and_wait(*executor_, [&] {
-    auto fault = note_changes(request, strokes);
-    changed.sequence = sequence();
+  const auto rejected = run_and_wait(executor_, [&] {
+    auto fault = note(request, strokes);
+    changed.sequence = journal_.sequence();
     return fault;
   });
   if (rejected) return std::unexpected(*rejected);
@@ -156,9 +169,9 @@ std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeReq
 }
 
 /// Like settle(). If memory runs out, the changes stay pending.
-std::expected<void, std::string> Session::try_to_settle(Workers& workers,
-                                                        const std::stop_token& stop,
-                                                        StrokesChanged& changed) {
+std::expected<void, std::string> StrokeChanges::try_to_settle(Workers& workers,
+                                                              const std::stop_token& stop,
+                                                              StrokesChanged& changed) {
   try {
     return settle(workers, stop, changed);
   } catch (const std::bad_alloc&) {
@@ -166,22 +179,22 @@ std::expected<void, std::string> Session::try_to_settle(Workers& workers,
   }
 }
 
-void Session::change_strokes_later(StrokeRequest request, StrokesDone done) {
-  request.at = sequence();
-  background().post(
-      [self = shared_from_this(), request = std::move(request), done = std::move(done)] {
+void StrokeChanges::change_later(StrokeRequest request, Done done) {
+  request.at = journal_.sequence();
+  background_->post(
+      [this, session = owner_.hold(), request = std::move(request), done = std::move(done)] {
         SerialWorkers alone;
-        auto changed = self->change_strokes(request, alone);
-        self->executor_->post([changed = std::move(changed), done] { done(changed); });
+        auto changed = change(request, alone);
+        executor_.post([changed = std::move(changed), done] { done(changed); });
       });
 }
 
 /// Waits until no motion journaled so far is partly cut: pieces of an undone motion must not be cut
 /// from the new tiles.
-std::expected<void, std::string> Session::wait_for_pieces(const std::stop_token& stop) {
+std::expected<void, std::string> StrokeChanges::wait_for_pieces(const std::stop_token& stop) {
   constexpr std::chrono::milliseconds kPause{1};
-  const std::uint64_t until = run_and_wait(*executor_, [this] { return sequence(); });
-  while (run_and_wait(*executor_, [&] { return !closed_ && carving_.is_cutting(until); })) {
+  const std::uint64_t until = run_and_wait(executor_, [this] { return journal_.sequence(); });
+  while (run_and_wait(executor_, [&] { return !closed_ && carving_.is_cutting(until); })) {
     if (stop.stop_requested()) return std::unexpected("stopped");
     std::this_thread::sleep_for(kPause);
   }
@@ -190,12 +203,13 @@ std::expected<void, std::string> Session::wait_for_pieces(const std::stop_token&
 
 /// Carves the tiles of changed strokes and replaces them in the block, some at a time to bound the
 /// memory. Call with the lock held.
-std::expected<void, std::string> Session::settle(Workers& workers, const std::stop_token& stop,
-                                                 StrokesChanged& changed) {
+std::expected<void, std::string> StrokeChanges::settle(Workers& workers,
+                                                       const std::stop_token& stop,
+                                                       StrokesChanged& changed) {
   StrokeSet strokes;
-  const std::uint64_t at = run_and_wait(*executor_, [&] {
+  const std::uint64_t at = run_and_wait(executor_, [&] {
     strokes = strokes_of(unsettled_);
-    return sequence();
+    return journal_.sequence();
   });
   const auto history = past_.read(stop);
   if (!history) return std::unexpected(history.error());
@@ -206,34 +220,33 @@ std::expected<void, std::string> Session::settle(Workers& workers, const std::st
     left = left.subspan(some.size());
     if (auto ok = settle_tiles(some, workers, stop, changed); !ok) return ok;
   }
-  run_and_wait(*executor_, [&] {
+  run_and_wait(executor_, [&] {
     // A stroke that has changed again since is not settled.
     std::erase_if(unsettled_, [&](const auto& stroke) { return stroke.second <= at; });
     participants_.hold_tools_in_stock();
     journal_.note_removal();
-    show_figures();
-    schedule_hash();
+    settled_();
     return true;
   });
   return {};
 }
 
 /// Carves these tiles and replaces them. Motions that arrive meanwhile are cut again.
-std::expected<void, std::string> Session::settle_tiles(std::span<const FieldTile> some,
-                                                       Workers& workers,
-                                                       const std::stop_token& stop,
-                                                       StrokesChanged& changed) {
+std::expected<void, std::string> StrokeChanges::settle_tiles(std::span<const FieldTile> some,
+                                                             Workers& workers,
+                                                             const std::stop_token& stop,
+                                                             StrokesChanged& changed) {
   struct Begun {
     StrokeSet strokes = {};
     std::uint64_t sequence = 0;
     SolidSnapshot solid = {};
   };
   if (auto ok = wait_for_pieces(stop); !ok) return ok;
-  const Collecting collecting(*executor_, carving_);
+  const Collecting collecting(executor_, carving_);
   const auto carve = [&]() -> std::expected<std::vector<TileReplacement>, std::string> {
-    const Begun begun = run_and_wait(*executor_, [this] {
+    const Begun begun = run_and_wait(executor_, [this] {
       carving_.begin_collecting();
-      return Begun{strokes_of(unsettled_), sequence(), sculpture_.solid()};
+      return Begun{strokes_of(unsettled_), journal_.sequence(), sculpture_.solid()};
     });
     const auto history = past_.read(stop);
     if (!history) return std::unexpected(history.error());
@@ -243,14 +256,14 @@ std::expected<void, std::string> Session::settle_tiles(std::span<const FieldTile
   auto tiles = carve();
   // Each round takes less time than the last, so fewer motions arrive during it.
   const auto collected = [this] { return carving_.collected(); };
-  for (int n = 1; n < kRoundsMax && tiles && run_and_wait(*executor_, collected) > kSinceMax; ++n) {
+  for (int n = 1; n < kRoundsMax && tiles && run_and_wait(executor_, collected) > kSinceMax; ++n) {
     tiles = carve();
   }
   if (!tiles) return std::unexpected(tiles.error());
   changed.tiles += tiles->size();
   for (std::size_t next = 0; next < tiles->size();) {
-    run_and_wait(*executor_, [&] {
-      const auto end = Clock::now() + kTurn;
+    run_and_wait(executor_, [&] {
+      const auto end = Clock::now() + kReplaceTurn;
       for (; next < tiles->size() && !closed_ && Clock::now() < end; ++next) {
         changed.returned_mm3 += carving_.replace((*tiles)[next]);
         (*tiles)[next].tile.reset();  // now shared with the block
@@ -263,21 +276,28 @@ std::expected<void, std::string> Session::settle_tiles(std::span<const FieldTile
 }
 
 /// Retries carving the tiles of changed strokes until it succeeds or the session is closed.
-void Session::retry_settling() {
-  executor_->post_after(kRetry, [weak = weak_from_this()] {
-    const auto self = weak.lock();
-    if (self && !self->closed_ && !self->unsettled_.empty()) self->settle_later();
+void StrokeChanges::retry_settling() {
+  executor_.post_after(kRetry, [this, watched = owner_.watch()] {
+    const auto session = watched.lock();
+    if (session && !closed_ && !unsettled_.empty()) settle_later();
   });
 }
 
 /// Re-carves changed strokes on the background thread.
-void Session::settle_later() {
-  background().post([self = shared_from_this()] {
-    const auto lock = self->past_.ask();
+void StrokeChanges::settle_later() {
+  background_->post([this, session = owner_.hold()] {
+    const auto lock = past_.ask();
     SerialWorkers alone;
     StrokesChanged ignored;
-    if (!lock || !self->try_to_settle(alone, {}, ignored)) self->retry_settling();
+    if (!lock || !try_to_settle(alone, {}, ignored)) retry_settling();
   });
+}
+
+/// From now on the block is wrong until the stroke's tiles have been carved again.
+void StrokeChanges::follow(const StrokeChange& change) {
+  unsettled_[change.stroke] = journal_.sequence();
+  journal_.note_removal();
+  settle_later();
 }
 
 }  // namespace kerf
