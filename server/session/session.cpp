@@ -38,9 +38,11 @@ Session::Session(std::string id, Replayed replayed, SessionJournal journal, Sess
                         show_figures();
                         schedule_hash();
                       }),
+      snapshots_({id_, *executor_, sculpture_, journal_, carving_},
+                 {{}, replayed.snapshot_sequence, replayed.replay_time, Clock::now()},
+                 replayed.snapshot, SessionOwner([this] { return weak_from_this(); }),
+                 [this] { return is_between_records(); }),
       workers_(workers),
-      schedule_({}, replayed.snapshot_sequence, replayed.replay_time, Clock::now()),
-      good_snapshot_(replayed.snapshot),
       matters_(matters, journal_),
       parent_(std::move(replayed.parent)) {
   matters_.restore(replayed.lists);
@@ -53,6 +55,14 @@ Session::~Session() = default;
 void Session::note_times(std::int64_t created_ms, std::int64_t active_ms) {
   created_ms_ = created_ms;
   active_ms_ = active_ms;
+}
+
+void Session::keep_snapshots(SnapshotOptions options) {
+  if (options.writer != nullptr) {
+    past_.read_ahead_on(*options.writer);
+    stroke_changes_.work_on(*options.writer);
+  }
+  snapshots_.keep(std::move(options));
 }
 
 void Session::show_figures() {
@@ -155,7 +165,7 @@ std::optional<MotionAnswer> Session::begin_move(ParticipantId id,
   auto answer = carving_.move(*state, samples);
   show_figures();
   if (journal_.removal_sequence() != removal_before) schedule_hash();
-  write_snapshot_if_due();
+  snapshots_.write_if_due();
   past_.read_ahead();
   return answer;
 }
@@ -167,7 +177,7 @@ std::optional<MotionAnswer> Session::go_on(ParticipantId id) {
   auto answer = carving_.go_on(*state, carvers_ != nullptr ? *carvers_ : alone);
   show_figures();
   schedule_hash();
-  write_snapshot_if_due();
+  snapshots_.write_if_due();
   past_.read_ahead();
   return answer;
 }
@@ -246,7 +256,7 @@ void Session::close(const std::string& reason, const std::string& redirect) {
   past_.close();
   stroke_changes_.close();
   matters_.close();
-  keep_last_state();
+  snapshots_.close();
   participants_.notify(
       {.closing = reason.empty() ? "the session is closed" : reason, .redirect = redirect});
   participants_.unlisten_all();

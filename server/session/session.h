@@ -6,16 +6,14 @@
 #include <cstdint>
 #include <expected>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "kernel/sculpture_state.h"
+#include "kernel/sculpture.h"
 #include "server/formats/scene.h"
 #include "server/platform/clock.h"
 #include "server/rights/caller.h"
@@ -31,6 +29,7 @@
 #include "server/session/session_matters.h"
 #include "server/session/session_past.h"
 #include "server/session/session_places.h"
+#include "server/session/snapshot_keeper.h"
 #include "server/session/snapshot_schedule.h"
 #include "server/session/stroke_changes.h"
 #include "server/threads/executor.h"
@@ -73,7 +72,9 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<void, JournalError> flush_and_copy() { return journal_.flush_and_copy(); }
   /// Commits and closes the journal. With `with_snapshot`, writes a last snapshot if that saves
   /// time at the next start. Call once, after close(). Afterwards no snapshot is written.
-  std::expected<void, JournalError> finish_journal(bool with_snapshot = false);
+  std::expected<void, JournalError> finish_journal(bool with_snapshot = false) {
+    return snapshots_.finish_journal(with_snapshot);
+  }
   /// Number of the last record that is committed.
   std::uint64_t committed() const { return journal_.committed(); }
   std::size_t journal_lag() const { return journal_.lag(); }  ///< records not yet committed
@@ -266,11 +267,6 @@ class Session : public std::enable_shared_from_this<Session> {
   void compute_hash();
   void report_changes();
   void show_figures();
-  void write_snapshot_if_due();
-  using Outcome = std::expected<void, std::string>;
-  Outcome write_snapshot(std::uint64_t at, const SculptureState& state);
-  Outcome write_snapshot_locked(std::uint64_t at, const SculptureState& state);
-  void keep_last_state();
   void show_live(SessionFrame& frame, bool all);
 
   std::shared_ptr<Executor> executor_;  ///< first, so that it is destroyed last
@@ -283,6 +279,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Participants participants_;
   Carving carving_;
   StrokeChanges stroke_changes_;
+  SnapshotKeeper snapshots_;
   ProgramRuns programs_;
   bool programs_scheduled_ = false;
   std::uint64_t programs_sent_ = 0;  ///< ProgramRuns::changes() as of the last frame with programs
@@ -293,13 +290,6 @@ class Session : public std::enable_shared_from_this<Session> {
   bool hash_scheduled_ = false;
   std::chrono::microseconds hash_cost_{0};
   bool closed_ = false;
-  SnapshotOptions snapshots_;
-  SnapshotSchedule schedule_;
-  std::unique_ptr<SculptureState> last_state_;  ///< of a closed session
-  std::mutex snapshot_mutex_;                   ///< held during a write; guards the next
-  bool snapshots_ended_ = false, snapshots_fail_ = false;
-  UsedSnapshot good_snapshot_;  ///< newest snapshot usable for a restart
-  std::atomic<bool> disk_is_low_ = false;
   DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next: keep_disk_limits()
   std::optional<JournalErrorCode> reached_;      ///< the disk limit that has been reached
   Clock::time_point changes_reported_{};

@@ -13,7 +13,7 @@ void Session::keep_disk_limits(const DiskLimits& limits, const DiskUse& use, Dis
   const DiskLevel own = disk_level(share_of(bytes, limits.session), own_disk_level_);
   own_disk_level_ = own;
   const DiskLevel level = std::max(own, shared);
-  disk_is_low_.store(level != DiskLevel::kFine, std::memory_order_relaxed);
+  snapshots_.note_disk(level != DiskLevel::kFine);
   const bool by_all = shared == DiskLevel::kFull;
   std::optional<JournalErrorCode> limit;
   if (level == DiskLevel::kFull) {

@@ -33,7 +33,7 @@ std::expected<std::size_t, std::string> Session::follow(std::span<const JournalR
   }
   show_figures();
   schedule_hash();
-  write_snapshot_if_due();
+  snapshots_.write_if_due();
   past_.read_ahead();
   return done;
 }

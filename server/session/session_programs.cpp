@@ -102,7 +102,7 @@ void Session::run_programs() {
   if (journal_.removal_sequence() != removal_before) schedule_hash();
   retire_programs();
   show_figures();
-  write_snapshot_if_due();
+  snapshots_.write_if_due();
   past_.read_ahead();
   if (!wait) {
     programs_scheduled_ = false;
