@@ -2,6 +2,7 @@
 #include "server/session/session_past.h"
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include "server/history/block_history.h"
@@ -57,6 +58,15 @@ SessionPast::SessionPast(const SculptureSettings& settings, SolidSnapshot start,
 
 SessionPast::~SessionPast() = default;
 
+SessionPast::Turn::Turn(SessionPast& past, HistoryTurns::Lock lock)
+    : past_(past), lock_(std::move(lock)), exceptions_(std::uncaught_exceptions()) {}
+
+SessionPast::Turn::~Turn() {
+  if (lock_.owns_lock() && std::uncaught_exceptions() > exceptions_) past_.discard();
+}
+
+void SessionPast::discard() { history_.reset(); }
+
 std::optional<JournalError> SessionPast::damage_after(const std::string& reason,
                                                       const std::stop_token& stop) const {
   if (reason == kOthersAskHistory || journal_.pause() || stop.stop_requested()) return std::nullopt;
@@ -78,8 +88,8 @@ void SessionPast::read_ahead() {
   reads_ahead_ = true;
   read_ = journal_.sequence();
   background_->post([this, session = owner_.hold()] {
-    const auto lock = turns_.try_now();
-    if (lock) (void)read({});  // An undo reports the error later.
+    const Turn turn(*this, turns_.try_now());
+    if (turn) (void)read({});  // An undo reports the error later.
     executor_.post([this, session] { reads_ahead_ = false; });
   });
 }
@@ -87,7 +97,7 @@ void SessionPast::read_ahead() {
 void SessionPast::forget() {
   read_ = 0;
   const auto lock = turns_.try_now();
-  if (lock) history_.reset();
+  if (lock) discard();
 }
 
 /// Carves all tiles with the motions that `choose` returns once the journal has been read; nullopt
@@ -104,8 +114,8 @@ SessionPast::Tiles SessionPast::look_back(const Choose& choose, Workers& workers
   for (;;) {
     std::stop_source end;
     const std::stop_callback by_caller(stop, [&] { end.request_stop(); });
-    const auto lock = turns_.look_back(kHistoryPatience, end);
-    if (!lock) return std::unexpected(kOthersAskHistory);
+    const Turn turn(*this, turns_.look_back(kHistoryPatience, end));
+    if (!turn) return std::unexpected(kOthersAskHistory);
     auto tiles = look(end.get_token());
     const bool is_interrupted = end.stop_requested() && !stop.stop_requested();
     if (tiles || !is_interrupted) return tiles;
@@ -161,8 +171,8 @@ std::expected<FeltStart, std::string> SessionPast::felt_start(std::uint64_t firs
 
 std::expected<std::vector<ListedStroke>, std::string> SessionPast::strokes(
     std::uint64_t since, const std::stop_token& stop) {
-  const auto lock = ask();
-  if (!lock) return std::unexpected(kOthersAskHistory);
+  const Turn turn = ask();
+  if (!turn) return std::unexpected(kOthersAskHistory);
   const auto history = read(stop);
   if (!history) return std::unexpected(history.error());
   const StrokeTable& table = (*history)->strokes();
@@ -176,8 +186,8 @@ std::expected<std::vector<ListedStroke>, std::string> SessionPast::strokes(
 
 std::expected<std::optional<SurfaceMaker>, std::string> SessionPast::first_to_remove(
     const StockCell& cell, std::uint64_t record, const std::stop_token& stop) {
-  const auto lock = ask();
-  if (!lock) return std::unexpected(kOthersAskHistory);
+  const Turn turn = ask();
+  if (!turn) return std::unexpected(kOthersAskHistory);
   const auto history = read(stop);
   if (!history) return std::unexpected(history.error());
   return (*history)->first_to_remove(cell, (*history)->strokes().at(record), stop);
@@ -185,8 +195,8 @@ std::expected<std::optional<SurfaceMaker>, std::string> SessionPast::first_to_re
 
 std::expected<std::vector<ParticipantId>, std::string> SessionPast::owners(
     std::span<const StockCell> cells, std::uint64_t record, const std::stop_token& stop) {
-  const auto lock = ask();
-  if (!lock) return std::unexpected(kOthersAskHistory);
+  const Turn turn = ask();
+  if (!turn) return std::unexpected(kOthersAskHistory);
   const auto history = read(stop);
   if (!history) return std::unexpected(history.error());
   return (*history)->owners(cells, (*history)->strokes().at(record), stop);

@@ -29,6 +29,23 @@ class Workers;
 /// one sentence.
 class SessionPast {
  public:
+  /// A turn with the history. If an exception ends it, for lack of memory say, the history may be
+  /// incomplete: it is discarded, and read again by the next user.
+  class Turn {
+   public:
+    Turn(SessionPast& past, HistoryTurns::Lock lock);
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+    ~Turn();
+    /// Whether the turn was granted.
+    explicit operator bool() const { return lock_.owns_lock(); }
+
+   private:
+    SessionPast& past_;
+    HistoryTurns::Lock lock_;
+    int exceptions_;  ///< in flight when it began
+  };
+
   /// `start`: the block before the first record. `base`: see base(). `settings`, `journal` and
   /// `executor`, which is that of the session, must outlive this.
   SessionPast(const SculptureSettings& settings, SolidSnapshot start, std::uint64_t base,
@@ -70,10 +87,12 @@ class SessionPast {
                                                                 std::uint64_t record,
                                                                 const std::stop_token& stop = {});
   /// Waits at most kHistoryPatience for a turn with the history, as a request about strokes.
-  HistoryTurns::Lock ask() { return turns_.ask(kHistoryPatience); }
+  Turn ask() { return Turn(*this, turns_.ask(kHistoryPatience)); }
   /// Reads the committed records, including all journaled before the call, and returns the history,
   /// never null, for as long as the turn of the caller lasts.
   std::expected<BlockHistory*, std::string> read(const std::stop_token& stop);
+  /// Discards the history after an exception that the caller has caught within its turn.
+  void discard();
 
   // ---- executor only ----
   /// Reads the journal ahead on this background thread from now on; it must outlive this. Call

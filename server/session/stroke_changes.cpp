@@ -139,8 +139,8 @@ std::expected<StrokesChanged, Rejection> StrokeChanges::change(const StrokeReque
                                                                const std::stop_token& stop) try {
   const std::uint64_t at =
       request.at ? *request.at : run_and_wait(executor_, [this] { return journal_.sequence(); });
-  const auto lock = past_.ask();
-  const auto history = lock ? past_.read(stop) : std::unexpected(std::string(kOthersAskHistory));
+  const SessionPast::Turn turn = past_.ask();
+  const auto history = turn ? past_.read(stop) : std::unexpected(std::string(kOthersAskHistory));
   if (!history) {
     const auto damage = past_.damage_after(history.error(), stop);
     return std::unexpected(damage
@@ -175,6 +175,7 @@ std::expected<void, std::string> StrokeChanges::try_to_settle(Workers& workers,
   try {
     return settle(workers, stop, changed);
   } catch (const std::bad_alloc&) {
+    past_.discard();
     return std::unexpected("the server has not enough memory for the change now; it tries again");
   }
 }
@@ -286,10 +287,10 @@ void StrokeChanges::retry_settling() {
 /// Re-carves changed strokes on the background thread.
 void StrokeChanges::settle_later() {
   background_->post([this, session = owner_.hold()] {
-    const auto lock = past_.ask();
+    const SessionPast::Turn turn = past_.ask();
     SerialWorkers alone;
     StrokesChanged ignored;
-    if (!lock || !try_to_settle(alone, {}, ignored)) retry_settling();
+    if (!turn || !try_to_settle(alone, {}, ignored)) retry_settling();
   });
 }
 

@@ -21,10 +21,11 @@ class SessionWithoutMemory : public SessionUndo {
  protected:
   void carve_three_strokes() {
     create();
-    const ParticipantId ada = join("Ada"), bo = join("Bo");
-    stroke(ada, {-15, 0, -2}, {15, 0, -2});
+    ada_ = join("Ada");
+    const ParticipantId bo = join("Bo");
+    stroke(ada_, {-15, 0, -2}, {15, 0, -2});
     crossing_ = stroke(bo, {0, -15, -3}, {0, 15, -3});
-    stroke(ada, {-15, 5, -2}, {15, 5, -2});
+    stroke(ada_, {-15, 5, -2}, {15, 5, -2});
     executor_->run();
   }
   /// Runs the session's turns like its thread, which continues after an exception.
@@ -58,8 +59,10 @@ class SessionWithoutMemory : public SessionUndo {
       return session_->stroke_changes().change(request, alone).has_value();
     }));
   }
+  ParticipantId ada_ = 0;
   StrokeId crossing_ = 0;
   bool is_undone_ = false;
+  std::uint64_t allocations_ = 0;  ///< of the last request
 };
 
 TEST_F(SessionWithoutMemory, UndoSucceedsOrChangesNothing) {
@@ -100,6 +103,46 @@ TEST_F(SessionWithoutMemory, UndoSucceedsOrChangesNothing) {
   const std::uint64_t left = hash();
   reload();
   EXPECT_EQ(hash(), left);
+}
+
+/// The request also reads new records of the journal, which must not stay half read.
+TEST_F(SessionWithoutMemory, NewRecordsThatCouldNotBeReadAreReadAgain) {
+  carve_three_strokes();
+  std::mt19937_64 random(setting("KERF_SEED", 1));
+  constexpr std::uint64_t kMany = 1'000'000'000;
+  const auto cut = [&] {
+    const double y = -12 + static_cast<double>(random() % 240) / 10;
+    stroke(ada_, {-15, y, -2}, {15, -y, -2.5});
+    executor_->run();
+  };
+  const auto turn_once = [&](std::uint64_t k) {
+    const std::uint64_t before = session_->sequence();
+    std::uint64_t used = 0;
+    {
+      const test::FailingMemory memory(k);
+      try {
+        (void)turn();
+      } catch (const std::bad_alloc&) {
+      }
+      used = k - memory.left();
+    }
+    settle();
+    if (session_->sequence() != before) is_undone_ = !is_undone_;
+    ASSERT_FALSE(session_->is_between_records());
+    EXPECT_EQ(hash(), never_happened());
+    allocations_ = used;
+  };
+  cut();
+  turn_once(kMany);
+  const std::uint64_t allocations = allocations_;
+  const unsigned failures = setting("KERF_EFFORT", 60);
+  for (unsigned n = 0; n < failures && !HasFailure(); ++n) {
+    const std::uint64_t k = 1 + random() % allocations;
+    SCOPED_TRACE("allocation " + std::to_string(k));
+    cut();
+    turn_once(k);
+    turn_once(kMany);
+  }
 }
 
 }  // namespace
