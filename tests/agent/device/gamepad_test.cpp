@@ -368,7 +368,7 @@ extern "C" int ioctl(int fd, unsigned long request, ...) {
   va_start(arguments, request);
   void* argument = va_arg(arguments, void*);
   va_end(arguments);
-  kerf::agent::FakePad* pad = kerf::agent::served;
+  kerf::agent::gamepad_test::FakePad* pad = kerf::agent::gamepad_test::served;
   if (pad != nullptr && pad->serves(fd)) return pad->ioctl(request, argument);
   return static_cast<int>(syscall(SYS_ioctl, fd, request, argument));
 }
