@@ -5,6 +5,7 @@
 #include <exception>
 #include <utility>
 
+#include "kernel/sculpture_state.h"
 #include "server/history/block_history.h"
 #include "server/history/journal_records.h"
 
