@@ -137,7 +137,6 @@ std::expected<void, JournalError> JournalReader::read_agents() {
 }
 
 std::expected<std::vector<JournalReader::DamagedRows>, JournalError> JournalReader::damaged_rows() {
-  const std::string up_to_last = " WHERE record<=" + std::to_string(rows_->last());
   struct Table {
     std::string name, rows;  ///< condition for rows of existing records
     std::int64_t good = 0;
@@ -146,7 +145,6 @@ std::expected<std::vector<JournalReader::DamagedRows>, JournalError> JournalRead
       participants_, [](const JournalParticipant& one) { return one.token.has_value(); });
   std::vector<Table> tables = {
       {"agents", " WHERE participant IN (SELECT participant FROM participants)", agents}};
-  for (const auto& [name, rows] : lists_) tables.push_back({name, up_to_last, std::ssize(rows)});
   tables.push_back({"parent", "", parent_.session.empty() ? 0 : 1});
   std::vector<DamagedRows> damaged;
   for (const Table& table : tables) {
@@ -157,6 +155,9 @@ std::expected<std::vector<JournalReader::DamagedRows>, JournalError> JournalRead
     if (!rows) return std::unexpected(rows.error());
     if (*rows > table.good) damaged.push_back({table.name, *rows - table.good});
   }
+  const auto lists = damaged_list_rows(*database_);
+  if (!lists) return std::unexpected(to_journal_error(file_, lists.error()));
+  for (const auto& [name, rows] : *lists) damaged.push_back({name, rows});
   const auto attachments = damaged_attachments(*database_);
   if (!attachments) return std::unexpected(to_journal_error(file_, attachments.error()));
   if (*attachments > 0) damaged.push_back({"attachments", *attachments});

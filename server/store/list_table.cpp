@@ -2,6 +2,7 @@
 #include "server/store/list_table.h"
 
 #include <algorithm>
+#include <functional>
 #include <span>
 #include <utility>
 
@@ -66,23 +67,23 @@ ListRow row_of(const SqlStatement& rows, std::string_view columns) {
   return row;
 }
 
-SqlResult<std::vector<ListRow>> read_list(SqlDatabase& database, const JournalTable& table,
-                                          std::uint64_t last) {
-  std::vector<ListRow> list;
+/// Calls `visit` with each row of a table, if it exists, by its key, and whether the checksum
+/// holds.
+SqlResult<void> each_row(SqlDatabase& database, const JournalTable& table,
+                         const std::function<void(ListRow row, bool is_good)>& visit) {
   const auto exists = database.has_table(table.name);
   if (!exists) return std::unexpected(exists.error());
-  if (!*exists) return list;
-  auto rows = database.prepare("SELECT * FROM " + std::string(table.name) + " WHERE record<=" +
-                               std::to_string(last) + " ORDER BY " + std::string(table.key));
+  if (!*exists) return {};
+  auto rows = database.prepare("SELECT * FROM " + std::string(table.name) + " ORDER BY " +
+                               std::string(table.key));
   if (!rows) return std::unexpected(rows.error());
   for (;;) {
     const auto row = rows->step();
     if (!row) return std::unexpected(row.error());
-    if (!*row) return list;
+    if (!*row) return {};
     ListRow one = row_of(*rows, table.columns);
-    if (rows->integer(static_cast<int>(one.size())) == checksum(one)) {
-      list.push_back(std::move(one));
-    }
+    const bool is_good = rows->integer(static_cast<int>(one.size())) == checksum(one);
+    visit(std::move(one), is_good);
   }
 }
 
@@ -112,11 +113,26 @@ SqlResult<Lists> read_lists(SqlDatabase& database, std::uint64_t last) {
   Lists lists;
   for (const JournalTable& table : kJournalTables) {
     if (table.kind != TableKind::kList) continue;
-    auto list = read_list(database, table, last);
-    if (!list) return std::unexpected(list.error());
-    lists.emplace(table.name, *std::move(list));
+    std::vector<ListRow> list;
+    const auto read = each_row(database, table, [&](ListRow row, bool is_good) {
+      if (is_good && record_of(row) <= last) list.push_back(std::move(row));
+    });
+    if (!read) return std::unexpected(read.error());
+    lists.emplace(table.name, std::move(list));
   }
   return lists;
+}
+
+SqlResult<std::map<std::string, std::int64_t>> damaged_list_rows(SqlDatabase& database) {
+  std::map<std::string, std::int64_t> damaged;
+  for (const JournalTable& table : kJournalTables) {
+    if (table.kind != TableKind::kList) continue;
+    const auto read = each_row(database, table, [&](const ListRow&, bool is_good) {
+      if (!is_good) ++damaged[std::string(table.name)];
+    });
+    if (!read) return std::unexpected(read.error());
+  }
+  return damaged;
 }
 
 }  // namespace kerf

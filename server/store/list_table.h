@@ -38,5 +38,7 @@ SqlResult<void> store_list_change(SqlDatabase& database, const ListChange& chang
 /// Returns the rows of all lists up to record `last`, without rows whose checksum is wrong. A
 /// missing table has no rows.
 SqlResult<Lists> read_lists(SqlDatabase& database, std::uint64_t last);
+/// Returns the number of rows with a wrong checksum by table, whichever record they name.
+SqlResult<std::map<std::string, std::int64_t>> damaged_list_rows(SqlDatabase& database);
 
 }  // namespace kerf

@@ -135,6 +135,26 @@ TEST_F(PinsTest, DamagedRowIsLeftOut) {
   }
 }
 
+/// A bit that makes a row name a record which does not exist must not hide the row.
+TEST_F(PinsTest, ARowThatNamesALaterRecordByDamageIsReported) {
+  create();
+  pins().set(pin("good"));
+  pins().set(pin("bad"));
+  ASSERT_TRUE(session_->flush());
+  session_.reset();
+  registry_.reset();
+  const auto file = folder_->path() / "block.kerf";
+  {
+    auto journal = open_journal(file, SqlMode::kWrite);
+    ASSERT_TRUE(journal->execute("UPDATE pins SET record=record+1024 WHERE number=2"));
+  }
+  const auto damaged = JournalReader::open(file)->damaged_rows();
+  ASSERT_TRUE(damaged);
+  ASSERT_EQ(damaged->size(), 1U);
+  EXPECT_EQ(damaged->front().table, "pins");
+  EXPECT_EQ(damaged->front().rows, 1);
+}
+
 TEST(PlainText, IsUtf8WithoutControlCharacters) {
   EXPECT_TRUE(is_plain_text("größer als 3 mm, 太深", 40));
   EXPECT_TRUE(is_plain_text("/", 1));
