@@ -167,7 +167,11 @@ class Carving {
       write_forces_header(forces, options_.device_limits);
     }
     simulation_.emplace(scene_, program_, options_.report || options_.verify);
-    ProgramCutter cutter(scene_, program_, *sculpture_, pool_, options_.forces.has_value());
+    // Of an assumed stock, only the material above the part is certain.
+    std::optional<ConvexOutline> certain;
+    if (options_.verify && scene_.stock_assumed) certain.emplace(*part_);
+    ProgramCutter cutter(scene_, program_, *sculpture_, pool_, options_.forces.has_value(),
+                         certain ? &*certain : nullptr);
     uncut_ = sculpture_->snapshot();
     progress_.show("carving", 0);
     const std::span<const ProgramMotion> all = program_.motions;

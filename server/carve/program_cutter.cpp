@@ -20,12 +20,13 @@ constexpr std::size_t kDistancesTogether = 100'000;
 }  // namespace
 
 ProgramCutter::ProgramCutter(const Scene& scene, const Program& program, Sculpture& sculpture,
-                             Workers& workers, bool feel)
+                             Workers& workers, bool feel, const ConvexOutline* within)
     : scene_(scene),
       program_(program),
       sculpture_(sculpture),
       workers_(workers),
       feel_(feel),
+      within_(within),
       air_(scene.settings) {}
 
 std::expected<std::vector<ProgramCut>, std::string> ProgramCutter::cut(
@@ -81,7 +82,8 @@ double ProgramCutter::depth_of(const ProgramMotion& motion, const DexelSnapshot&
                                const MotionResult& result, const std::stop_token& stop) {
   if (result.removed_mm3 <= kNothingRemovedMm3) return 0;
   CutDepth depth(scene_.tools.at(motion.tool).tool, motion.from, motion.to,
-                 scene_.settings.tolerance_mm, before, sculpture_.snapshot(), result.cut_tiles);
+                 scene_.settings.tolerance_mm, before, sculpture_.snapshot(), result.cut_tiles,
+                 within_);
   while (!stop.stop_requested() && !depth.advance(kDistancesTogether)) {
   }
   return depth.depth_mm();

@@ -11,6 +11,7 @@
 #include "server/formats/program.h"
 #include "server/formats/scene.h"
 #include "server/verify/air_space.h"
+#include "server/verify/convex_outline.h"
 
 namespace kerf {
 
@@ -24,9 +25,10 @@ struct ProgramCut {
 /// stock is cut alone, because its depth is measured in the stock before and after it.
 class ProgramCutter {
  public:
-  /// The references must outlive this. `feel`: forces are computed.
+  /// The references must outlive this. `feel`: forces are computed. `within`: if not null, rapids
+  /// are measured in that outline only.
   ProgramCutter(const Scene& scene, const Program& program, Sculpture& sculpture, Workers& workers,
-                bool feel);
+                bool feel, const ConvexOutline* within = nullptr);
 
   /// Cuts the first of these motions of the program, at least one of them. The error of a motion
   /// that the block rejects begins with its place; the block is then incomplete. A requested stop
@@ -47,6 +49,7 @@ class ProgramCutter {
   Sculpture& sculpture_;
   Workers& workers_;
   bool feel_;
+  const ConvexOutline* within_;
   AirSpace air_;
 };
 

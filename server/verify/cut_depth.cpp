@@ -28,10 +28,12 @@ MovingTool moving(const ToolProfile& profile, const Tool& tool, const ToolPose& 
 }  // namespace
 
 CutDepth::CutDepth(const Tool& tool, const ToolPose& from, const ToolPose& to, double ignored_mm,
-                   DexelSnapshot before, DexelSnapshot after, const std::vector<FieldTile>& cut)
+                   DexelSnapshot before, DexelSnapshot after, const std::vector<FieldTile>& cut,
+                   const ConvexOutline* within)
     : profile_(tool),
       motion_(moving(profile_, tool, from, to)),
       ignored_mm_(ignored_mm),
+      within_(within),
       rows_(std::move(before), std::move(after), cut) {}
 
 double CutDepth::sought_mm() const { return std::max(ignored_mm_, kAccuracy * depth_mm_); }
@@ -48,6 +50,8 @@ bool CutDepth::advance(std::size_t distances) {
 }
 
 void CutDepth::measure(std::int32_t i, std::int32_t j) {
+  const DexelGrid& grid = rows_.after().grid();
+  if (within_ != nullptr && !within_->contains(grid.x_mm(i), grid.y_mm(j))) return;
   const std::span<const Dexel> left = rows_.after().column(i, j, left_);
   subtract(rows_.before().column(i, j, whole_), left, removed_);
   for (const Dexel& element : removed_) {

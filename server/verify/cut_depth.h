@@ -10,6 +10,7 @@
 #include "kernel/sculpture_result.h"
 #include "kernel/tool/tool_pose.h"
 #include "server/verify/changed_rows.h"
+#include "server/verify/convex_outline.h"
 #include "server/verify/moving_tool.h"
 #include "server/verify/tool_profile.h"
 
@@ -32,9 +33,11 @@ constexpr double rapid_limit_mm(double tolerance_mm) {
 class CutDepth {
  public:
   /// A motion of a tool. `cut` are the tiles that lost material (MotionResult::cut_tiles). Depths
-  /// of `ignored_mm` or less may be reported as 0.
+  /// of `ignored_mm` or less may be reported as 0. With `within`, which must outlive this, only
+  /// columns in that outline count.
   CutDepth(const Tool& tool, const ToolPose& from, const ToolPose& to, double ignored_mm,
-           DexelSnapshot before, DexelSnapshot after, const std::vector<FieldTile>& cut);
+           DexelSnapshot before, DexelSnapshot after, const std::vector<FieldTile>& cut,
+           const ConvexOutline* within = nullptr);
   CutDepth(const CutDepth&) = delete;
   CutDepth& operator=(const CutDepth&) = delete;
 
@@ -53,6 +56,7 @@ class CutDepth {
   ToolProfile profile_;
   MovingTool motion_;
   double ignored_mm_;
+  const ConvexOutline* within_;
   ChangedRows rows_;
   double depth_mm_ = 0;
   std::size_t distances_ = 0;

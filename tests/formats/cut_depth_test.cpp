@@ -8,6 +8,8 @@
 #include <random>
 
 #include "kernel/sculpture.h"
+#include "server/formats/model/indexed_mesh.h"
+#include "server/verify/convex_outline.h"
 #include "tests/support/carvings.h"
 
 namespace kerf::cut_depth_test {
@@ -87,6 +89,30 @@ TEST_F(CutDepthTest, APlateThatIsCutThroughCountsFromTheBottomOfTheTool) {
   const double found_mm = depth(1, {{-5, 15, -2.5}, kUp}, {{45, 15, -2.5}, kUp}, 2.2);
   EXPECT_GE(found_mm, 2.5 / 1.1);
   EXPECT_LE(found_mm, 2.5 + 1e-6);
+}
+
+TEST_F(CutDepthTest, OnlyColumnsInAnOutlineCount) {
+  IndexedMesh triangle;
+  triangle.origin_mm = {10, 0, 0};
+  triangle.positions_mm = {{0, 0, 0}, {20, 0, 5}, {10, 3, 0}, {0, 20, 0}};
+  triangle.triangles = {{0, 1, 3}};
+  const ConvexOutline outline(triangle);
+  EXPECT_TRUE(outline.contains(10, 20));
+  EXPECT_TRUE(outline.contains(19, 10));
+  EXPECT_FALSE(outline.contains(21, 10));
+  EXPECT_FALSE(outline.contains(9.9, 5));
+  const auto depth_at = [&](Vec3 tip) {
+    const ToolPose pose{tip, kUp};
+    const DexelSnapshot before = block_.snapshot();
+    const auto done = block_.apply(MoveTool{1, pose, pose, 1, false}).value();
+    CutDepth found(*block_.tool(1), pose, pose, 0, before, block_.snapshot(), done.cut_tiles,
+                   &outline);
+    EXPECT_TRUE(found.advance(1'000'000));
+    return found.depth_mm();
+  };
+  EXPECT_EQ(depth_at({5, 10, -2}), 0);
+  EXPECT_EQ(depth_at({28, 20, -2}), 0);
+  EXPECT_GE(depth_at({15, 8, -2}), 2 / 1.1);
 }
 
 /// The greatest depth of the points that a motion has removed, in steps of a quarter pitch.
