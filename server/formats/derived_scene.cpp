@@ -54,8 +54,10 @@ struct DerivedTool {
 DerivedTool stated_tool(ToolId id, const StatedTool& tool) {
   const std::string source = std::string(tool.source) + " in line " + std::to_string(tool.line);
   DerivedTool result{tool.shape, tool.origins, source, source};
-  if (!tool.doubt.empty())
+  if (!tool.doubt.empty()) {
+    result.origins = {};
     result.note = "assumed from the " + source + ", where " + tool.doubt + "; " + asks_for(id);
+  }
   return result;
 }
 

@@ -50,6 +50,16 @@ TEST(DerivedScene, AProgramThatLoadsNoToolUsesTheOnlyOneThatItDescribes) {
       << "it loads another tool";
 }
 
+TEST(DerivedScene, ADoubtfulToolIsAssumed) {
+  const std::string cuts = "T1 M6\nG0 X0 Y0 Z5\nG1 Z-1 F100\nX9\nM2\n";
+  const auto is_assumed = [&](const std::string& comment) {
+    return derived("G21 G90\n" + comment + cuts).scene.tools.at(1).assumed;
+  };
+  EXPECT_FALSE(is_assumed("(T1 6mm END MILL)\n"));
+  EXPECT_TRUE(is_assumed("(T1 6mm END MILL 03-0086)\n"));
+  EXPECT_TRUE(is_assumed(""));
+}
+
 TEST(DerivedScene, RequestedValuesTakePrecedence) {
   SceneWishes wishes;
   wishes.stock_size_mm = Vec3{70, 50, 10};
