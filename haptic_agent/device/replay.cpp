@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "haptic_agent/device/units.h"
 #include "server/wire/types.h"
 
 namespace kerf::agent {
@@ -18,7 +19,6 @@ DeviceState Replay::read(std::uint64_t now_us) noexcept {
     started_ = true;
     start_us_ = now_us;
   }
-  constexpr double kSPerUs = 1e-6;
   const PathPoint point = path_.at(static_cast<double>(now_us - start_us_) * kSPerUs);
   return {.tip_mm = point.tip_mm,
           .axis = point.axis,

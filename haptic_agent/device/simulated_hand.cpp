@@ -58,7 +58,6 @@ DeviceState SimulatedHand::read(std::uint64_t now_us) noexcept {
     started_ = true;
     last_us_ = now_us;
   }
-  constexpr double kSPerUs = 1e-6;
   const double passed_s = static_cast<double>(now_us - last_us_) * kSPerUs;
   last_us_ = now_us;
   if (stopped_.load(std::memory_order_acquire)) wrench_ = {};

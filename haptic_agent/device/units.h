@@ -8,5 +8,6 @@ inline constexpr double kMmPerM = 1000.0;
 inline constexpr double kNmmPerNm = 1000.0;
 inline constexpr double kMjPerJ = 1000.0;
 inline constexpr double kUsPerS = 1e6;
+inline constexpr double kSPerUs = 1e-6;
 
 }  // namespace kerf::agent

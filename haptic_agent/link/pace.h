@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "haptic_agent/device/units.h"
+
 namespace kerf::agent {
 
 /// Token bucket for outgoing samples. After an interruption the backlog is sent slightly faster
@@ -16,7 +18,6 @@ class Pace {
 
   /// Returns the number of samples that may be sent at this time. Times must not decrease.
   std::size_t allowed(std::uint64_t now_us) noexcept {
-    constexpr double kSPerUs = 1e-6;
     if (last_us_ != 0) {
       tokens_ += static_cast<double>(now_us - last_us_) * kSPerUs * kSamplesPerS;
       tokens_ = std::min(tokens_, kBurst);

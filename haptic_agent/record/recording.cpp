@@ -11,6 +11,7 @@
 #include <set>
 #include <utility>
 
+#include "haptic_agent/device/units.h"
 #include "haptic_agent/record/mcap_writer.h"
 #include "haptic_agent/record/tick_message.h"
 #include "server/store/crc32.h"
@@ -170,7 +171,6 @@ std::expected<Recording, std::string> read_recording(const std::string& path) {
 }
 
 std::expected<PoseScript, std::string> path_of(const Recording& recording) {
-  constexpr double kSPerUs = 1e-6;
   PoseScript script;
   const std::uint64_t start_us = recording.ticks.front().time_us;
   for (const TickRecord& tick : recording.ticks) {

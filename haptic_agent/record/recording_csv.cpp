@@ -4,6 +4,7 @@
 #include <ostream>
 #include <string>
 
+#include "haptic_agent/device/units.h"
 #include "haptic_agent/record/recording.h"
 #include "server/wire/types.h"
 
@@ -43,7 +44,6 @@ class Line {
 }  // namespace
 
 void write_csv(std::ostream& out, const Recording& recording) {
-  constexpr double kSPerUs = 1e-6;
   out << kHeader;
   if (recording.ticks.empty()) return;
   const std::uint64_t start_us = recording.ticks.front().time_us;

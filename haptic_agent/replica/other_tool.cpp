@@ -5,12 +5,12 @@
 #include <cmath>
 #include <utility>
 
+#include "haptic_agent/device/units.h"
 #include "kernel/tool/tool_bounds.h"
 
 namespace kerf::agent {
 namespace {
 
-constexpr double kSPerUs = 1e-6;
 /// Time span of the poses that determine the expected path, s. A longer span reduces noise but
 /// detects turns later.
 constexpr double kFitS = 0.04;

@@ -33,7 +33,6 @@ double velocity_cutoff_hz(const DeviceCapabilities& device, double pivot_mm,
 
 ContactLimits contact_limits(const DeviceCapabilities& device, double cutoff_hz) noexcept {
   ContactLimits limits;
-  constexpr double kSPerUs = 1e-6;
   const double latency_s = static_cast<double>(device.latency_us) * kSPerUs;
   const double prompt_s = kPeriodS + filter_s(cutoff_hz);
   limits.force_delay_s = latency_s + kPeriodS / 2;

@@ -144,7 +144,6 @@ void ContactModel::take(const ServerWrench& answer, const Grip& then, const Grip
   then_ = then;
   fading_ = before - damped(touches_at(now), now.axis, velocity);
   const std::uint64_t age_us = answer.arrival_us - std::min(answer.arrival_us, answer.pose_us);
-  constexpr double kSPerUs = 1e-6;
   fade_s_ =
       length(fading_.force_n) > kStepN
           ? kFadeS

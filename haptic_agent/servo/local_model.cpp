@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "haptic_agent/device/units.h"
+
 namespace kerf::agent {
 namespace {
 
@@ -55,7 +57,6 @@ void LocalModel::take_stock(const ServerWrench& answer, const PastGrip& then,
   answered_us_ = answer.pose_us;
   stock_.take(answer, then.grip, now.grip, now.velocity);
   take_cut(answer, then);
-  constexpr double kSPerUs = 1e-6;
   lag_s_ = static_cast<double>(now.time_us - then.time_us) * kSPerUs;
 }
 
@@ -72,7 +73,6 @@ void LocalModel::take_cut(const ServerWrench& answer, const PastGrip& then) noex
     if (speed < kMinSpeed) return;
     strength /= speed;
   }
-  constexpr double kSPerUs = 1e-6;
   const double passed_s = then.time_us > then_.time_us
                               ? static_cast<double>(then.time_us - then_.time_us) * kSPerUs
                               : 0;

@@ -105,7 +105,6 @@ class BasicPassivity {
   std::uint64_t projected() const noexcept { return projected_; }
 
  private:
-  static constexpr double kSPerUs = 1e-6;
   static constexpr double kTickS = 1e-3;
   static constexpr double kLeast = 1e-12;
   static constexpr double kStarvingShare = 0.05;

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptic_agent/device/units.h"
 #include "haptic_agent/servo/mapping/block_settings.h"
 #include "haptic_agent/servo/silence_decay.h"
 
 namespace kerf::agent {
 namespace {
 
-constexpr double kSPerUs = 1e-6;
 constexpr std::uint64_t kTickUs = 1000;
 /// Time constant of the low-pass filter for a followed participant's wrench, which arrives in
 /// steps.

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "haptic_agent/device/units.h"
+
 namespace kerf::agent {
 namespace {
 
@@ -69,7 +71,6 @@ void TrialRun::take(const TickRecord& tick) noexcept {
 
 std::optional<TrialResult> TrialRun::answer(int interval, std::uint64_t now_us) {
   if (state_ != State::kQuestion) return std::nullopt;
-  constexpr double kSPerUs = 1e-6;
   current_.answer = interval;
   current_.reaction_s = now_us > asked_us_ ? static_cast<double>(now_us - asked_us_) * kSPerUs : 0;
   const TrialResult result = current_;

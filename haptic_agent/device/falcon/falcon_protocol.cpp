@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "haptic_agent/device/falcon/falcon_firmware.h"
+#include "haptic_agent/device/units.h"
 #include "server/wire/types.h"
 
 namespace kerf::agent::falcon {
@@ -18,7 +19,6 @@ constexpr std::uint64_t kSilenceUs = 500'000;
 constexpr std::uint64_t kLatencyUs = 3000;
 /// Resolution of the pose as estimated between the counts. Each count moves the grip by 0.04 mm.
 constexpr double kResolutionMm = 0.001;
-constexpr double kSPerUs = 1e-6;
 /// Assumed mass of the grip and its three legs. The grip does not turn, so no torque moves it.
 constexpr double kMovingMassKg = 0.1;
 constexpr double kMovingInertiaKgM2 = 1;

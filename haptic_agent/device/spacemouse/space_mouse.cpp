@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "haptic_agent/device/units.h"
 #include "server/wire/types.h"
 
 namespace kerf::agent {
@@ -16,7 +17,6 @@ constexpr double kClearMm = 10.0;
 constexpr double kAroundMm = 50.0;
 constexpr std::uint32_t kLeftButton = 1;
 constexpr std::uint32_t kRightButton = 2;
-constexpr double kSPerUs = 1e-6;
 /// Longest time integrated by one read, so that a pause of the loop does not make the tool jump.
 constexpr double kLongestStepS = 0.01;
 
