@@ -55,7 +55,8 @@ class MotionStates {
   std::map<ParticipantId, State> states_;
 };
 
-/// Encodes the records of a commit (README.md, "Batches"). Batches build on the ones before.
+/// Encodes the records of a commit (web/manual/kerf-file.md). Batches build on the ones
+/// before.
 class BatchEncoder {
  public:
   /// A restarting batch can be decoded without its predecessors. These are the first batch of an

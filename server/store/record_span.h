@@ -13,7 +13,7 @@
 namespace kerf {
 
 /// Rows of batches outside a journal. Each one is, in little-endian: u64 first, u64 count, i64
-/// wall_ms, i64 span_ms, i32 crc, u32 number of bytes, and the bytes (README.md, "Batches"). The
+/// wall_ms, i64 span_ms, i32 crc, u32 number of bytes, and the bytes (README.md). The
 /// stored bytes are copied: making a span needs no decoding, and its reader verifies the journal's
 /// checksums.
 inline constexpr std::size_t kSpanRowHeadBytes = 40;

@@ -17,6 +17,7 @@ export const PAGES = [
   'device',
   'embedding',
   'api',
+  'kerf-file',
   'decisions',
 ] as const;
 
@@ -56,10 +57,17 @@ markdown.renderer.rules['code_inline'] = (tokens, i) => {
   return `<code>${code.replace(/--[a-z0-9-]+/g, '<span>$&</span>')}</code>`;
 };
 
-/** The Markdown of a page; that of the HTTP interface ends with its generated reference. */
+const fileText = (name: string): string => readFileSync(join(import.meta.dirname, name), 'utf8');
+
+/**
+ * The Markdown of a page. That of the HTTP interface ends with its generated reference, that of
+ * the .kerf file with a program that reads it.
+ */
 export function sourceOf(name: PageName): string {
-  const text = readFileSync(join(import.meta.dirname, `${name}.md`), 'utf8');
-  return name === 'api' ? `${text}\n${operationsMarkdown(readOpenApi())}` : text;
+  const text = fileText(`${name}.md`);
+  if (name === 'api') return `${text}\n${operationsMarkdown(readOpenApi())}`;
+  if (name === 'kerf-file') return `${text}\n\`\`\`python\n${fileText('read_kerf.py')}\`\`\`\n`;
+  return text;
 }
 
 function parse(name: PageName): Page {

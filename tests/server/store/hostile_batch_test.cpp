@@ -18,7 +18,7 @@
 namespace kerf::hostile_batch_test {
 namespace {
 
-/// Flags of README.md, "Batches".
+/// Flags of a record (web/manual/kerf-file.md).
 constexpr unsigned kOther = 1, kSameAxis = 8, kDuration = 64, kExactDuration = 128;
 
 /// A batch of one motion with these flags, which repeats the last pose.

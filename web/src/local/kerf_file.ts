@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a .kerf file, the journal of a session (server/store/README.md), which is an SQLite database.
+// Reads a .kerf file, the journal of a session (manual/kerf-file.md), which is an SQLite database.
 // Its records are passed on as they are; the kernel's module verifies and decodes them.
 
 import initSqlJs from 'sql.js';

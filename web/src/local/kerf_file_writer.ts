@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a .kerf file, the journal of a session (server/store/README.md), of a block that was carved
+// Writes a .kerf file, the journal of a session (manual/kerf-file.md), of a block that was carved
 // in the page. A kerf-server opens it as its own.
 
 import type { Database } from 'sql.js';

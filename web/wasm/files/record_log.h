@@ -16,8 +16,8 @@
 
 namespace kerf::page {
 
-/// The records of a journal in memory, as its file has them (server/store/README.md, "Batches"):
-/// some ten bytes a motion.
+/// The records of a journal in memory, as its file has them (web/manual/kerf-file.md): some ten
+/// bytes a motion.
 class RecordLog {
  public:
   /// Adds rows of batches (server/store/record_span.h). Rows that are there already are left out,
