@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "tests/kernel/extremes/tool_job.h"
+#include "tests/kernel/extremes/random_carving.h"
 #include "tests/support/self_intersection.h"
 
 namespace kerf {

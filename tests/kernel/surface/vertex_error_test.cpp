@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/kernel/extremes/tool_job.h"
+#include "tests/kernel/extremes/random_carving.h"
 #include "tests/support/self_intersection.h"
 
 namespace kerf::vertex_error_test {
