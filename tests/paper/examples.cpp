@@ -9,7 +9,6 @@ namespace kerf::paper {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kLiftMm = 3;  ///< of a brush between its strokes, above the stock
 
 /// A point of a stroke: position and width of the line, mm.
 struct Dab {
@@ -29,6 +28,14 @@ Dab between(const std::vector<Dab>& dabs, std::size_t n, double s) {
           std::max(0.1, spline(a.width, b.width, c.width, d.width))};
 }
 
+/// Appends a stroke, between a pose above its begin and one above its end.
+void append_between(const std::vector<ToolPose>& stroke, ToolPose (*above)(ToolPose),
+                    std::vector<ToolPose>& path) {
+  path.push_back(above(stroke.front()));
+  path.insert(path.end(), stroke.begin(), stroke.end());
+  path.push_back(above(stroke.back()));
+}
+
 /// Appends a stroke of a cone of 90 degrees, which leans away from the direction of the line, like
 /// a brush.
 void append_stroke(const std::vector<Dab>& dabs, std::vector<ToolPose>& path) {
@@ -44,13 +51,13 @@ void append_stroke(const std::vector<Dab>& dabs, std::vector<ToolPose>& path) {
       stroke.push_back({{at.x, at.y, -at.width / 2}, axis});
     }
   }
-  const auto lifted = [](ToolPose pose) {
-    pose.tip_mm.z = kLiftMm;
-    return pose;
-  };
-  path.push_back(lifted(stroke.front()));
-  path.insert(path.end(), stroke.begin(), stroke.end());
-  path.push_back(lifted(stroke.back()));
+  constexpr double kAboveStockMm = 3;
+  append_between(
+      stroke,
+      [](ToolPose pose) {
+        return ToolPose{{pose.tip_mm.x, pose.tip_mm.y, kAboveStockMm}, pose.axis};
+      },
+      path);
 }
 
 /// The wavy front, and its unit normal by central differences.
@@ -129,10 +136,11 @@ Example furniture(std::size_t* spirals) {
     }
   }
   const std::size_t surface = one.path.size();
-  const auto lifted = [](const ToolPose& pose) {
-    return ToolPose{pose.tip_mm + pose.axis * (kLiftMm + 4), pose.axis};
+  constexpr auto kRetracted = [](ToolPose pose) {
+    constexpr double kAlongAxisMm = 7;
+    return ToolPose{pose.tip_mm + pose.axis * kAlongAxisMm, pose.axis};
   };
-  one.path.push_back(lifted(one.path.back()));
+  one.path.push_back(kRetracted(one.path.back()));
   for (const double side : {-1.0, 1.0}) {
     constexpr int kSteps = 260;
     std::vector<ToolPose> spiral;
@@ -141,9 +149,7 @@ Example furniture(std::size_t* spirals) {
       spiral.push_back(pose_on_front(40 + side * (20 + r * std::cos(a)), 25 + 1.1 * r * std::sin(a),
                                      1.5 * std::sqrt(std::min(1.0, 6 * (1 - s)))));
     }
-    one.path.push_back(lifted(spiral.front()));
-    one.path.insert(one.path.end(), spiral.begin(), spiral.end());
-    one.path.push_back(lifted(spiral.back()));
+    append_between(spiral, kRetracted, one.path);
   }
   if (spirals != nullptr) *spirals = one.path.size() - surface;
   return one;
