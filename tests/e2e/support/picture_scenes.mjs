@@ -160,13 +160,13 @@ export const PICTURE_SCENES = [
         [68, 12 + 18 * n, -7],
       ]),
     ),
-    { rays: 'tri_dexel', pitch_mm: 0.4 },
+    { rays: 'tri-dexel', pitch_mm: 0.4 },
   ),
   scene(
     'walls',
     flat(6),
     range(6).flatMap((n) => cut(circle(30, 30, 8 + 3.2 * n, -2 - 1.5 * n))),
-    { rays: 'tri_dexel', pitch_mm: 0.4 },
+    { rays: 'tri-dexel', pitch_mm: 0.4 },
   ),
   scene(
     'cross hatch',
