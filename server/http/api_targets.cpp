@@ -12,6 +12,7 @@
 #include "server/formats/units.h"
 #include "server/http/api.h"
 #include "server/http/entity_tag.h"
+#include "server/http/number.h"
 #include "server/http/place.h"
 #include "server/rights/rights.h"
 #include "server/session/hash_text.h"
@@ -26,6 +27,8 @@ using Json = nlohmann::json;
 /// sides of the block.
 constexpr double kSpacingPitches = 1;
 constexpr double kSamplesOfBounds = 500'000;
+/// Limits of the factor on the coordinates of a part.
+constexpr double kScaleMin = 1e-6, kScaleMax = 1e6;
 
 // Points are sent as their bytes in memory.
 static_assert(std::endian::native == std::endian::little);
@@ -122,6 +125,12 @@ ApiResponse Api::set_target(const ApiCall& call) {
   if (const std::string* unit = call.request.query_value("unit")) {
     as.unit_mm = mm_of_unit(*unit);
     if (!as.unit_mm) return error_response(400, "bad_unit", "unit must be mm, cm, m or inch");
+  }
+  if (const std::string* text = call.request.query_value("scale")) {
+    const double scale = parse_number<double>(*text).value_or(0);
+    if (!(scale >= kScaleMin && scale <= kScaleMax))
+      return error_response(400, "bad_value", "scale must be a number from 1e-6 to 1000000");
+    as.unit_mm = scale * as.unit_mm.value_or(1);
   }
   const auto put =
       targets_.put(call.session->id(), as, call.request.body, call.caller, call.request.stop);

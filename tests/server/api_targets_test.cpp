@@ -86,6 +86,19 @@ TEST_F(ApiTargetsTest, DoubtfulUnitsRaiseAQuestion) {
   EXPECT_EQ(code_of(send("?name=part.stl&unit=mile", metres)), "bad_unit");
 }
 
+TEST_F(ApiTargetsTest, PartAThousandTimesItsBlockIsScaled) {
+  const std::string huge = box_stl({-20'000, -20'000, -20'000}, {20'000, 20'000, 0});
+  const Json asked = Json::parse(send("?name=part.stl", huge).body);
+  const Json& choice = asked.at("questions").at(0).at("choices").at(0);
+  EXPECT_NEAR(choice.at("size_mm"), 40, 1e-9);
+  const std::string scale = "&scale=" + choice.at("scale").dump();
+  const Json answered = Json::parse(send("?name=part.stl" + scale, huge).body);
+  EXPECT_FALSE(answered.contains("questions"));
+  EXPECT_NEAR(answered.at("max_mm").at(0), 20, 1e-6);
+  for (const char* bad : {"0", "-1", "nan", "1e7", "x"})
+    EXPECT_EQ(code_of(send("?name=part.stl&scale=" + std::string(bad), huge)), "bad_value") << bad;
+}
+
 TEST_F(ApiTargetsTest, DownloadedModelCanBeUploadedAsATarget) {
   for (const std::string file : {"model.stl", "model.obj?shift_mm=100,0,0", "model.ply?error_mm=0",
                                  "model.stl?encoding=ascii&error_mm=0.1"}) {

@@ -20,6 +20,21 @@ export interface TargetPart {
   fault?: string;
 }
 
+/** An answer to the question about the unit of a part, as the query of setTarget has it. */
+export interface UnitAnswer {
+  unit?: string;
+  /** A factor on the coordinates instead of a unit. */
+  scale?: number;
+  /** The greatest side with it, mm. */
+  size_mm: number;
+}
+
+/** A stored part. */
+export interface SentPart extends TargetPart {
+  /** Asks for the unit of a file that states none, if the size is unlikely. */
+  questions?: { text: string; choices: UnitAnswer[] }[];
+}
+
 /** Points of one request, at most. */
 export const POINTS_MAX = 65_536;
 
@@ -34,15 +49,18 @@ export async function listTargets(session: string): Promise<TargetPart[]> {
   return targets;
 }
 
-/** Stores a file; one of the same name is replaced. */
+/** Stores a file; one of the same name is replaced. `as`: its unit; by default mm, or as stated. */
 export async function setTarget(
   session: string,
   file: Blob & { name: string },
   [x, y, z]: Vec3,
-): Promise<TargetPart> {
-  const query = `?name=${encodeURIComponent(file.name)}&shift_mm=${x},${y},${z}`;
+  as?: UnitAnswer,
+): Promise<SentPart> {
+  const unit = as?.unit === undefined ? '' : `&unit=${as.unit}`;
+  const scale = as?.scale === undefined ? '' : `&scale=${as.scale}`;
+  const query = `?name=${encodeURIComponent(file.name)}&shift_mm=${x},${y},${z}${unit}${scale}`;
   const response = await ask('POST', pathOf(session, `targets${query}`), file);
-  return (await response.json()) as TargetPart;
+  return (await response.json()) as SentPart;
 }
 
 export async function removeTarget(session: string, name: string): Promise<void> {

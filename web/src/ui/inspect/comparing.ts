@@ -11,7 +11,7 @@ import {
   setTarget,
   surveyDeviation,
 } from '../../link/targets';
-import type { TargetPart } from '../../link/targets';
+import type { TargetPart, UnitAnswer } from '../../link/targets';
 import { rangeOf } from '../../model/deviation';
 import type { DeviationPlace, DeviationSurvey } from '../../model/deviation';
 import { paintedEdge } from '../../model/refine';
@@ -28,6 +28,7 @@ import type { CutNote } from './cut_note';
 import { DeviationControls } from './deviation_controls';
 import { signed } from './deviation_plot';
 import type { InspectHost } from './host';
+import { PartUnit } from './part_unit';
 import { partTolerance, rememberPartTolerance } from '../part_tolerance';
 
 /** While the block changes it is surveyed at most so often. */
@@ -59,11 +60,12 @@ export class Comparing {
     tolerance: (mm) => this.setTolerance_(mm),
     place: (place) => this.goTo_(place),
   });
+  private readonly unit_ = new PartUnit((answer) => this.answer_(answer));
   private readonly marker_: MeasureView;
   private parts_: readonly TargetPart[] = [];
   private chosen_: TargetPart | null = null;
-  /** The file that was sent last, in case it has to be moved. */
-  private sent_: File | null = null;
+  /** The file that was sent last, and its unit, in case it has to be moved. */
+  private sent_: { file: File; as: UnitAnswer | undefined } | null = null;
   private painted_: PaintedView | null = null;
   private readonly material_ = new PaintedMaterial();
   private stop_ = new AbortController();
@@ -83,6 +85,7 @@ export class Comparing {
     private readonly note: CutNote,
   ) {
     this.controls_.places.append(note.element);
+    this.controls_.hints.append(this.unit_.element);
     this.marker_ = new MeasureView(viewer, host.overlay);
   }
 
@@ -143,14 +146,15 @@ export class Comparing {
     this.controls_.showParts(this.parts_, this.chosen_?.name ?? null, this.may_('run_programs'));
   }
 
-  private async add_(file: File, shift: Vec3): Promise<void> {
+  private async add_(file: File, shift: Vec3, as?: UnitAnswer): Promise<void> {
     this.choose_(null);
     this.controls_.say(t('Uploading {0}…', file.name));
     try {
-      const part = await setTarget(this.session, file, shift);
-      this.sent_ = file;
+      const part = await setTarget(this.session, file, shift, as);
+      this.sent_ = { file, as };
       await this.list_();
       this.choose_(part.name);
+      this.unit_.ask(part);
     } catch (problem) {
       this.controls_.say((problem as Error).message);
     }
@@ -166,12 +170,17 @@ export class Comparing {
     await this.list_();
   }
 
+  /** Sends the part again in a unit, at its origin: its place in mm was that of another size. */
+  private answer_(as: UnitAnswer): void {
+    if (this.sent_) void this.add_(this.sent_.file, [0, 0, 0], as);
+  }
+
   private center_(): void {
-    const { chosen_: part, sent_: file } = this;
-    if (!part || !file) return;
+    const { chosen_: part, sent_: sent } = this;
+    if (!part || !sent) return;
     const [x, y, z] = shiftInto({ min: part.min_mm, max: part.max_mm }, this.bounds());
     const [fromX, fromY, fromZ] = part.shift_mm;
-    void this.add_(file, [x + fromX, y + fromY, z + fromZ]);
+    void this.add_(sent.file, [x + fromX, y + fromY, z + fromZ], sent.as);
   }
 
   private choose_(name: string | null): void {
@@ -183,6 +192,7 @@ export class Comparing {
     this.surveyed_ = '';
     this.surveyMs_ = -Infinity;
     this.isSurveying_ = false;
+    this.unit_.ask(null);
     this.mark_(null);
     this.chosen_ = this.parts_.find((part) => part.name === name) ?? null;
     if (this.chosen_) {
@@ -243,7 +253,7 @@ export class Comparing {
     const { chosen_: part, painted_: painted } = this;
     if (!part || !painted) return;
     if (isOutside({ min: part.min_mm, max: part.max_mm }, this.bounds())) {
-      const canMove = this.sent_?.name === part.name;
+      const canMove = this.sent_?.file.name === part.name;
       this.controls_.say(t('The part lies outside the block: their origins differ'), canMove);
     } else if (painted.share < 1 || !this.survey_) {
       this.controls_.say(t('Measuring… {0} %', 10 * Math.floor(10 * painted.share)));

@@ -58,6 +58,8 @@ export class DeviationControls {
   });
   /** The worst points, and a note on the one that was pressed. */
   readonly places = h('div', {}, h('h4', {}, t('Largest deviations')), this.worst_);
+  /** The hint, and questions about the part. */
+  readonly hints = h('div', {}, this.hint_);
   private readonly found_: HTMLElement;
   readonly element: HTMLElement;
   private units_: LengthUnit = 'mm';
@@ -86,7 +88,7 @@ export class DeviationControls {
       this.choice_,
       h('div', { class: 'inspect-row' }, this.add_, this.remove_),
       this.file_,
-      this.hint_,
+      this.hints,
       this.center_,
       this.found_,
     );
