@@ -17,6 +17,12 @@ void write_array(std::ostream& out, const char* name, std::size_t count, Text&& 
   out << ']';
 }
 
+std::string vector_text(Vec3 v) {
+  constexpr int kDigits = 6;
+  return '[' + significant_text(v.x, kDigits) + ',' + significant_text(v.y, kDigits) + ',' +
+         significant_text(v.z, kDigits) + ']';
+}
+
 }  // namespace
 
 ForcePlot::ForcePlot(std::uint64_t first, std::uint64_t last, std::size_t points)
@@ -41,7 +47,12 @@ void ForcePlot::add(const PlottedMotion& motion) {
   ++point.motions;
   point.end_s = motion.end_s;
   point.removed_mm3 += motion.removed_mm3;
-  point.force_n.add(length(motion.wrench.force_n), is_first);
+  const double force_n = length(motion.wrench.force_n);
+  if (is_first || force_n > point.force_n.max) {
+    point.peak_tip_mm = motion.tip_mm;
+    point.peak = motion.wrench;
+  }
+  point.force_n.add(force_n, is_first);
   point.torque_nmm.add(length(motion.wrench.torque_nmm), is_first);
 }
 
@@ -78,7 +89,17 @@ void ForcePlot::write(std::ostream& out) const {
   range("force_n", &Point::force_n);
   out << ',';
   range("torque_nmm", &Point::torque_nmm);
-  out << "}\n";
+  const auto peaks = [&](const char* name, auto vector_of) {
+    write_array(out, name, count,
+                [&](std::size_t n) { return vector_text(vector_of(points_[n])); });
+  };
+  out << ",\"peak\":{";
+  peaks("tip_mm", [](const Point& point) { return point.peak_tip_mm; });
+  out << ',';
+  peaks("force_n", [](const Point& point) { return point.peak.force_n; });
+  out << ',';
+  peaks("torque_nmm", [](const Point& point) { return point.peak.torque_nmm; });
+  out << "}}\n";
 }
 
 }  // namespace kerf

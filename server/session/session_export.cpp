@@ -191,6 +191,7 @@ ExportResult export_force_plot(const std::filesystem::path& journal,
               .wall_ms = felt.record.wall_ms,
               .end_s = felt.end_s,
               .removed_mm3 = felt.result.removed_mm3,
+              .tip_mm = felt.move.to.tip_mm,
               .wrench = felt.result.wrench});
   });
   if (!ok) return ok;

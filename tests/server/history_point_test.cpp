@@ -142,6 +142,33 @@ TEST_F(ForcePlots, HaveTheExtremesAndMeansOfForcesCsv) {
   }
 }
 
+TEST_F(ForcePlots, HaveTheGreatestWrenchOfASpanAndItsPlace) {
+  create();
+  const ParticipantId ada = join("Ada");
+  stroke(ada, {-15, 0, -2}, {15, 0, -2});
+  ASSERT_TRUE(session_->flush());
+  for (const std::size_t points : {1U, 7U, 5000U}) {
+    const auto json = plot({.points = points});
+    ASSERT_EQ(json["peak"]["tip_mm"].size(), json["first"].size());
+    for (std::size_t n = 0; n < json["first"].size(); ++n) {
+      const auto vector = [&](const char* name) {
+        const auto& v = json["peak"][name][n];
+        return Vec3{v[0], v[1], v[2]};
+      };
+      const double most_n = json["force_n"]["max"][n];
+      EXPECT_NEAR(length(vector("force_n")), most_n, 1e-5 * (1 + most_n));
+      // The stroke is along X, so the force is against X and the torque is across it.
+      const Vec3 torque = vector("torque_nmm");
+      EXPECT_NEAR(dot(vector("force_n"), torque), 0, 1e-2 * most_n * length(torque) + 1e-6);
+      if (most_n > 0.1) {
+        EXPECT_LT(vector("force_n").x, -0.9 * most_n);
+      }
+      EXPECT_NEAR(vector("tip_mm").y, 0, 1e-9);
+      EXPECT_LE(std::abs(vector("tip_mm").x), 15 + 1e-9);
+    }
+  }
+}
+
 TEST_F(ForcePlots, SelectSpanAndParticipant) {
   create();
   const ParticipantId ada = join("Ada"), bo = join("Bo");

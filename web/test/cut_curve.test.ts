@@ -17,6 +17,7 @@ const FORCES: ForceCurve = {
   endS: [2, 2, 4.5],
   removedMm3: [100, 0, 250],
   motions: [2, 1, 6],
+  peaks: [],
 };
 
 describe('force and removal along a program', () => {

@@ -3,6 +3,7 @@
 
 import { pathOf } from './address';
 import type { ForceCurve } from '../model/force_curve';
+import { peaksOf } from '../model/wrench_path';
 import { ask } from './strokes';
 
 /** A name for the block as it was after a record. */
@@ -99,5 +100,6 @@ export async function forceCurve(
     endS: cut(5),
     removedMm3: cut(6),
     motions: cut(7),
+    peaks: peaksOf(body),
   };
 }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
+import type { WrenchPeak } from './wrench_path';
+
 /** Forces of equal spans of records: columns of equal length. */
 export interface ForceCurve {
   first: number[];
@@ -11,4 +13,6 @@ export interface ForceCurve {
   endS: number[];
   removedMm3: number[];
   motions: number[];
+  /** Empty from a server that does not send them. */
+  peaks: WrenchPeak[];
 }

@@ -15,6 +15,8 @@ const AGAIN_MS = 2000;
 const SHARE = 0.05;
 
 export class CutControl {
+  /** The forces of the selected program have come, or of its latest motions. */
+  arrived: (curve: ForceCurve) => void = () => undefined;
   readonly element = h('div', { class: 'program-cut', hidden: '' });
   private plot_: Promise<CutPlot> | null = null;
   private shown_: CutPlot | null = null;
@@ -90,6 +92,7 @@ export class CutControl {
 
   private async show_(program: ProgramInfo, curve: ForceCurve): Promise<void> {
     if (program.id !== this.program_) return;
+    this.arrived(curve);
     this.plot_ ??= this.load().then(({ CutPlot }) => new CutPlot(this.picked));
     const plot = await this.plot_;
     if (program.id !== this.program_) return;

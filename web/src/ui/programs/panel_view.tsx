@@ -45,10 +45,12 @@ interface PanelViewProps {
   cut: HTMLElement;
   /** Null without a picture. */
   path: HTMLElement | null;
+  /** Force and torque along the path; null without a picture. */
+  wrench: HTMLElement | null;
 }
 
 /** The selected program. */
-function One({ state, actions, cut, path }: PanelViewProps) {
+function One({ state, actions, cut, path, wrench }: PanelViewProps) {
   const { program, details } = state;
   const mayControl = state.may('run_programs') && details?.mayControl !== false;
   const { motions_done = 0, motions = 0 } = program ?? {};
@@ -62,6 +64,7 @@ function One({ state, actions, cut, path }: PanelViewProps) {
       />
       <p class="quiet program-figures">{program && figuresOf(program, details)}</p>
       {path && <Foreign element={path} />}
+      {wrench && <Foreign element={wrench} />}
       <Foreign element={cut} />
       <AlarmList alarms={details?.alarms ?? []} press={actions.showAlarm} />
     </div>

@@ -8,6 +8,8 @@ import '../style/programs.css';
 import { ServerError } from '../../link/server_error';
 import type { ProgramPlace } from '../../model/program_place';
 import { isOpen } from '../../model/programs';
+import { stockBounds } from '../../model/session';
+import type { SessionModel } from '../../model/session';
 import type { ProgramInfo, Vec3 } from '../../wire/types';
 import { h } from '../dom';
 import { sentence } from '../format';
@@ -21,8 +23,17 @@ import { ProgramsState } from './state';
 import { TargetChoice } from './target_choice';
 import { TextView } from './text_view';
 import { RunOptions, takeDrops } from './upload';
+import { WrenchControl } from './wrench_control';
 
 const ASK_EVERY_MS = 1000; // for the details of a program that moves
+const ARROW_SHARE = 0.12; // of the block's diagonal
+
+/** The length of the longest arrow along a path. */
+function arrowMm({ welcome }: SessionModel): number {
+  if (!welcome) return 0;
+  const { min, max } = stockBounds(welcome.stock);
+  return ARROW_SHARE * Math.hypot(...max.map((value, k) => value - min[k]!));
+}
 
 export class ProgramsPanel {
   private readonly state_: ProgramsState;
@@ -30,6 +41,7 @@ export class ProgramsPanel {
   private readonly options_: RunOptions;
   private readonly text_: TextView;
   private readonly path_: PathControl | null;
+  private readonly wrench_: WrenchControl | null;
   private readonly cut_: CutControl;
   private readonly close_ = (): void => this.toggle();
   private readonly element_ = h('section', {
@@ -51,11 +63,13 @@ export class ProgramsPanel {
     this.requests_ = new ProgramRequests(session);
     this.options_ = new RunOptions(new TargetChoice(session));
     this.path_ = path ? new PathControl(path, (id) => this.requests_.path(id)) : null;
+    this.wrench_ = path ? new WrenchControl(path.picture, () => arrowMm(model)) : null;
     this.cut_ = new CutControl(
       (participant) => this.requests_.cut(participant),
       (timeS) => this.markTime_(timeS),
       () => this.path_?.feeds ?? null,
     );
+    this.cut_.arrived = ({ peaks }) => this.wrench_?.show(peaks);
     this.text_ = new TextView(
       (follows) => (this.state_.follows.value = follows),
       (line) => this.markPlace_(line),
@@ -111,6 +125,7 @@ export class ProgramsPanel {
         text={this.text_.element}
         cut={this.cut_.element}
         path={this.path_?.element ?? null}
+        wrench={this.wrench_?.element ?? null}
       />,
       this.element_,
     );
@@ -126,7 +141,10 @@ export class ProgramsPanel {
     const isOpen = this.state_.isOpen.value;
     this.element_.hidden = !isOpen;
     this.opener.setAttribute('aria-expanded', String(isOpen));
-    untracked(() => this.path_?.setOpen(isOpen));
+    untracked(() => {
+      this.path_?.setOpen(isOpen);
+      this.wrench_?.setOpen(isOpen);
+    });
   }
 
   private loadMissing_(): void {
@@ -189,6 +207,7 @@ export class ProgramsPanel {
     if (id === selected.peek() && textOf.peek() === id) return;
     this.path_?.select(id);
     this.cut_.select(id);
+    this.wrench_?.show([]);
     this.text_.show('');
     batch(() => {
       selected.value = id;
