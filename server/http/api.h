@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/formats/program_error.h"
 #include "server/http/byte_range.h"
 #include "server/http/download_cache.h"
 #include "server/http/http_options.h"
@@ -113,6 +114,12 @@ ApiResponse unknown_target(const std::string& name);
 ApiResponse stopped();
 /// Returns a 503 with Retry-After: the memory for uploads and programs is exhausted.
 ApiResponse out_of_memory();
+/// Returns the response for a scene that is invalid, or a session that cannot be created.
+ApiResponse registry_failure(const RegistryError& error);
+/// Returns a 400 `bad_program` with the line and the word.
+ApiResponse program_failure(const ProgramError& error);
+/// Returns a 400 for an invalid name of a program, else nullopt.
+std::optional<ApiResponse> program_name_failure(const std::string& name);
 /// Returns a response with the JSON text `json` and a line break as body.
 ApiResponse json_response(unsigned status, std::string json);
 
@@ -187,6 +194,7 @@ class Api {
   ApiResponse list_programs(const ApiCall& call);
   ApiResponse start_program(const ApiCall& call);
   ApiResponse describe_program(const ApiCall& call);
+  ApiResponse price_program(const ApiCall& call);
   ApiResponse program_status(const ApiCall& call);
   ApiResponse cancel_program(const ApiCall& call);
   ApiResponse change_program(const ApiCall& call);

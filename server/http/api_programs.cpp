@@ -39,23 +39,6 @@ std::optional<double> parse_rate(const std::string& text) {
   return rate_hz && *rate_hz >= kRateMinHz && *rate_hz <= kRateMaxHz ? rate_hz : std::nullopt;
 }
 
-ApiResponse program_failure(const ProgramError& error) {
-  Json detail = {{"code", "bad_program"},
-                 {"reason", to_string(error)},
-                 {"line", error.line},
-                 {"word", error.word}};
-  return json_response(400, text({{"error", detail}}));
-}
-
-/// Returns a 400 for an invalid name of a program, else nullopt.
-std::optional<ApiResponse> name_failure(const std::string& name) {
-  if (name.size() <= wire::kMaxNameBytes && name.find_first_of("/\\\n\r") == std::string::npos) {
-    return std::nullopt;
-  }
-  return error_response(400, "bad_name",
-                        "name must have at most 64 bytes, without slashes and line breaks");
-}
-
 /// Returns an error unless the caller may control the program: its own, or any as an owner.
 std::optional<ApiResponse> control_failure(const ApiCall& call, const ProgramStatus& status) {
   if (may_change(call.caller, status.author, Action::kRunPrograms)) return std::nullopt;
@@ -140,6 +123,22 @@ ApiResponse unknown_program(const ApiCall& call) {
 }
 
 }  // namespace
+
+ApiResponse program_failure(const ProgramError& error) {
+  Json detail = {{"code", "bad_program"},
+                 {"reason", to_string(error)},
+                 {"line", error.line},
+                 {"word", error.word}};
+  return json_response(400, text({{"error", detail}}));
+}
+
+std::optional<ApiResponse> program_name_failure(const std::string& name) {
+  if (name.size() <= wire::kMaxNameBytes && name.find_first_of("/\\\n\r") == std::string::npos) {
+    return std::nullopt;
+  }
+  return error_response(400, "bad_name",
+                        "name must have at most 64 bytes, without slashes and line breaks");
+}
 
 ApiResponse Api::list_programs(const ApiCall& call) {
   Session& session = *call.session;
@@ -249,7 +248,7 @@ ApiResponse Api::start_program(const ApiCall& call) {
   const auto target = parse_target_part(call);
   if (!target) return target.error();
   const std::string name = value_or(request.query_value("name"), "program.ngc");
-  if (auto failure = name_failure(name)) return *std::move(failure);
+  if (auto failure = program_name_failure(name)) return *std::move(failure);
   const auto environment = parse_environment(request);
   if (!environment) return environment.error();
   auto memory = program_memory(reading_memory_bytes(request.body));
@@ -284,7 +283,7 @@ ApiResponse Api::start_program(const ApiCall& call) {
 
 ApiResponse Api::describe_program(const ApiCall& call) {
   const std::string name = value_or(call.request.query_value("name"), "program.ngc");
-  if (auto failure = name_failure(name)) return *std::move(failure);
+  if (auto failure = program_name_failure(name)) return *std::move(failure);
   const auto environment = parse_environment(call.request);
   if (!environment) return environment.error();
   const std::string& text = call.request.body;

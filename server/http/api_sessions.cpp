@@ -151,11 +151,11 @@ std::string with_here(const std::string& target) {
   return changed + "here=1";
 }
 
+}  // namespace
+
 ApiResponse registry_failure(const RegistryError& error) {
   return error_response(http_status(error.code), to_string(error.code), error.reason, error.path);
 }
-
-}  // namespace
 
 ApiResponse Api::list_sessions(const ApiCall& call) {
   Json list = Json::array();

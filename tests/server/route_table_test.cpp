@@ -280,6 +280,37 @@ TEST_F(ApiTest, DryRunReturnsTheCostAndCreatesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "test-block.kerf"));
 }
 
+TEST_F(ApiTest, ProgramIsPricedInASceneWithoutASession) {
+  using nlohmann::json;
+  const auto program = [](int rows) {
+    std::string text = "G21 G90 F600\nT1 M6\nG0 X0 Y0 Z5\n";
+    for (int row = 0; row < rows; ++row) {
+      const std::string y = std::to_string(row);
+      text += "G0 X-15 Y" + y + "\nG1 Z-1\nG1 X15\nG0 Z5\n";
+    }
+    return text + "M30\n";
+  };
+  const auto ask_price = [&](const json& body) {
+    return ask("POST", "/v1/prices?name=a.ngc", body.dump());
+  };
+  const json scene = json::parse(kScene);
+  const auto price = [&](int rows) {
+    const ApiResponse response = ask_price({{"scene", scene}, {"program", program(rows)}});
+    EXPECT_EQ(response.status, 200U) << response.body;
+    return json::parse(response.body);
+  };
+  const json one = price(1), many = price(15);
+  EXPECT_GT(many["motions"], 10 * one["motions"].get<int>());
+  EXPECT_GE(many["bytes"], one["bytes"]) << "fifteen rows reach more tiles";
+  EXPECT_GT(many["us_per_motion"], 0);
+  EXPECT_EQ(one["accuracy"]["pitch_mm"], 0.5);
+  EXPECT_EQ(code(ask_price({{"scene", scene}})), "bad_request");
+  EXPECT_EQ(code(ask("POST", "/v1/prices", "{")), "bad_request");
+  EXPECT_EQ(code(ask_price({{"scene", json::object()}, {"program", ""}})), "bad_scene");
+  EXPECT_EQ(code(ask_price({{"scene", scene}, {"program", "G1 X\n"}})), "bad_program");
+  EXPECT_TRUE(registry->list().empty());
+}
+
 TEST_F(ApiTest, ASceneIsDerivedForAProgramWithoutASession) {
   using nlohmann::json;
   const ApiResponse response =

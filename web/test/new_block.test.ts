@@ -71,6 +71,9 @@ test('prices are short sentences', () => {
   expect(priceText({ bytes: 2e6, usPerMotion: 50, joinS: 0.41 }, 0.2)).toBe(
     '0.2\u00a0mm: up to 2\u00a0MB of memory, 410\u00a0ms to join',
   );
+  expect(priceText({ bytes: 2e6, usPerMotion: 50, motions: 46_000, joinS: 0.41 }, 0.2)).toBe(
+    '0.2\u00a0mm: up to 2\u00a0MB of memory, 2.3\u00a0s to carve, 410\u00a0ms to join',
+  );
   expect(motionPriceText({ bytes: 2e6, usPerMotion: 50, joinS: 0.41 })).toBe(
     '50\u00a0µs per motion',
   );

@@ -148,6 +148,10 @@ TEST_F(DescribedAnswers, OfProgramsAndDownloads) {
   described("POST", programs, 400, "G1 X\n");
   described("POST", "/v1/programs", 200,
             "(T4 6MM BALL ENDMILL)\nG21 G90\nT4 M6\nG0 X1 Y2 Z5\nG1 Z-3 F60\nG1 X9\nM30\n");
+  const Json priced = {{"scene", kBlock},
+                       {"program", "G21 G90 F600\nT1 M6\nG0 X0 Y0 Z5\nG1 Z-1\nM30\n"}};
+  described("POST", "/v1/prices", 200, priced.dump());
+  described("POST", "/v1/prices", 400, "{}");
   for (const char* name : {"model.stl", "model.glb", "model.3mf", "model.ply", "model.obj",
                            "program.ngc", "program.apt", "forces.csv", "forces?points=5",
                            "thin_walls.json", "journal", "exports", "picture.png?width=240"}) {

@@ -73,14 +73,32 @@ export async function sessionDetails(id: string): Promise<SessionDetails> {
   };
 }
 
-/** The cost of a scene, or why it cannot be made. */
-export async function priceOf(scene: Scene, signal: AbortSignal | null = null): Promise<Price> {
-  const response = await ask('POST', '/v1/sessions?dry_run=1', JSON.stringify(scene), signal);
+/** A program that is to be carved; `name` as uploadName gives it. */
+export interface NamedProgram {
+  name: string;
+  text: string;
+}
+
+/** The cost of a scene, or of a program in it. Rejects with the reason why it cannot be made. */
+export async function priceOf(
+  scene: Scene,
+  program: NamedProgram | null = null,
+  signal: AbortSignal | null = null,
+): Promise<Price> {
+  const response = program
+    ? await ask(
+        'POST',
+        `/v1/prices?name=${encodeURIComponent(program.name)}`,
+        JSON.stringify({ scene, program: program.text }),
+        signal,
+      )
+    : await ask('POST', '/v1/sessions?dry_run=1', JSON.stringify(scene), signal);
   const body = (await response.json()) as Json;
   return {
     bytes: Number(body['bytes']),
     usPerMotion: Number(body['us_per_motion']),
     joinS: Number(body['join_s']),
+    ...(program ? { motions: Number(body['motions']) } : {}),
   };
 }
 
@@ -106,8 +124,8 @@ export async function uploadMesh(file: File, repair: boolean): Promise<UploadedM
   };
 }
 
-/** The scene for a program; `name` as uploadName gives it. */
-export async function describeProgram(name: string, text: string): Promise<DerivedScene> {
+/** The scene for a program. */
+export async function describeProgram({ name, text }: NamedProgram): Promise<DerivedScene> {
   const response = await ask('POST', `/v1/programs?name=${encodeURIComponent(name)}`, text);
   const body = (await response.json()) as Json;
   return {

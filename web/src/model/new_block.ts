@@ -34,12 +34,14 @@ export interface DerivedScene {
   machineS: number;
 }
 
-/** The cost of a scene: POST /v1/sessions?dry_run=1. */
+/** The cost of a scene, POST /v1/sessions?dry_run=1, or of a program in it, POST /v1/prices. */
 export interface Price {
-  /** Of a block that is touched everywhere. */
+  /** Of a block that is touched everywhere, or that the program has carved. */
   bytes: number;
-  /** Of a motion of 1 mm. */
+  /** Of a motion of 1 mm, or of the program. */
   usPerMotion: number;
+  /** Of the program; missing without one. */
+  motions?: number;
   /** Until the server has meshed such a block for the first page that joins. */
   joinS: number;
 }
@@ -123,14 +125,17 @@ export function bytesText(bytes: number): string {
   return amount(shown / 1000 ** step, units[step]!);
 }
 
-/** "0.05 mm: up to 120 MB of memory, 410 ms to join" */
-export function priceText({ bytes, joinS }: Price, targetMm: number): string {
-  return t(
-    '{0}: up to {1} of memory, {2} to join',
-    amount(targetMm, 'mm'),
-    bytesText(bytes),
-    timeText(1e6 * joinS),
-  );
+/**
+ * "0.05 mm: up to 120 MB of memory, 410 ms to join"; of a program
+ * "0.05 mm: up to 90 MB of memory, 14 s to carve, 410 ms to join"
+ */
+export function priceText({ bytes, usPerMotion, motions, joinS }: Price, targetMm: number): string {
+  const [target, memory] = [amount(targetMm, 'mm'), bytesText(bytes)];
+  const join = timeText(1e6 * joinS);
+  if (motions === undefined)
+    return t('{0}: up to {1} of memory, {2} to join', target, memory, join);
+  const carve = timeText(usPerMotion * motions);
+  return t('{0}: up to {1} of memory, {2} to carve, {3} to join', target, memory, carve, join);
 }
 
 /** "38 µs per motion" */

@@ -3,6 +3,7 @@
 
 import { t } from '../../strings';
 import { priceOf } from '../../link/lobby_requests';
+import type { NamedProgram } from '../../link/lobby_requests';
 import { motionPriceText, priceText, TARGET_DEFAULT_MM, TARGETS_MM } from '../../model/new_block';
 import type { Scene } from '../../model/new_block';
 import { h, setText } from '../dom';
@@ -64,14 +65,17 @@ export class Accuracy {
     this.describe_();
   }
 
-  /** Shows the price of a scene. A later call replaces an earlier one that has no answer yet. */
-  async show(scene: Scene): Promise<void> {
+  /**
+   * Shows the price of a scene, or of a program in it. A later call replaces an earlier one that has
+   * no answer yet.
+   */
+  async show(scene: Scene, program: NamedProgram | null): Promise<void> {
     this.asking_?.abort();
     const asking = new AbortController();
     this.asking_ = asking;
     const { targetMm } = this;
     try {
-      const price = await priceOf(scene, asking.signal);
+      const price = await priceOf(scene, program, asking.signal);
       if (this.asking_ !== asking) return;
       this.tell_(priceText(price, targetMm), true);
       setText(this.motion_, motionPriceText(price));

@@ -4,7 +4,7 @@
 
 import { t } from '../../strings';
 import { describeProgram, uploadMesh } from '../../link/lobby_requests';
-import type { Template } from '../../link/lobby_requests';
+import type { NamedProgram, Template } from '../../link/lobby_requests';
 import { lacksUnit, meshScene, stockBox, targetOf, withStock } from '../../model/new_block';
 import type { Scene } from '../../model/new_block';
 import { PROGRAM_ENDINGS } from '../../model/programs';
@@ -28,6 +28,8 @@ export interface Draft {
   scene: () => Scene;
   /** To be started in the new session. */
   program: File | null;
+  /** Its text; the price is then that of its motions instead of a hand's. */
+  priced: NamedProgram | null;
 }
 
 export const MESH_ENDINGS = ['.stl', '.ply', '.obj', '.3mf', '.glb'];
@@ -61,6 +63,7 @@ export function fromTemplate({ title, scene }: Template, changed: () => void): D
       sizes.length > 0 ? sizeRow(sizes, changed) : h('div'),
     ),
     program: null,
+    priced: null,
   };
 }
 
@@ -74,11 +77,13 @@ async function fromMesh(file: File, changed: () => void, repair: boolean): Promi
     targetMm: null,
     ...withTools(() => meshScene(mesh.file, repair, placement), changed, element),
     program: null,
+    priced: null,
   };
 }
 
 async function fromProgram(file: File, changed: () => void): Promise<Draft> {
-  const derived = await describeProgram(uploadName(file.name), await file.text());
+  const priced = { name: uploadName(file.name), text: await file.text() };
+  const derived = await describeProgram(priced);
   const { scene, provenance } = derived;
   const box = stockBox(scene);
   const tools = scene['tools'] as ToolInfo[];
@@ -99,6 +104,7 @@ async function fromProgram(file: File, changed: () => void): Promise<Draft> {
     ),
     scene: () => (box ? withStock({ ...scene, tools }, box) : scene),
     program: file,
+    priced,
   };
 }
 

@@ -175,7 +175,8 @@ export class NewBlock {
   }
 
   private changed_(): void {
-    if (this.draft_) void this.accuracy_.show(this.sceneOf_(this.draft_));
+    const { draft_: draft } = this;
+    if (draft) void this.accuracy_.show(this.sceneOf_(draft), draft.priced);
   }
 
   private nameOf_(draft: Draft): string {
