@@ -11,7 +11,8 @@ namespace kerf::paper {
 const std::vector<Check>& checks() {
   static const std::vector<Check> kChecks = [] {
     std::vector<Check> all;
-    for (const auto& some : {volume_checks(), force_checks(), output_checks(), voxel_checks()}) {
+    for (const auto& some :
+         {volume_checks(), force_checks(), output_checks(), furniture_checks(), voxel_checks()}) {
       all.insert(all.end(), some.begin(), some.end());
     }
     return all;

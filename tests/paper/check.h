@@ -18,11 +18,12 @@ struct Check {
   Finding (*run)();
 };
 
-/// Checks of updates and swept volumes, of forces, of models and programs, and comparisons with
-/// voxels.
+/// Checks of updates and swept volumes, of forces, of models and programs, of the furniture
+/// surface, and comparisons with voxels.
 std::vector<Check> volume_checks();
 std::vector<Check> force_checks();
 std::vector<Check> output_checks();
+std::vector<Check> furniture_checks();
 std::vector<Check> voxel_checks();
 
 /// Returns all checks.

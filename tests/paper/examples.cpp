@@ -60,17 +60,9 @@ void append_stroke(const std::vector<Dab>& dabs, std::vector<ToolPose>& path) {
       path);
 }
 
-/// The wavy front, and its unit normal by central differences.
-double front(double x, double y) {
-  return -4.2 + 2.4 * std::cos(kTurn * (x - 40) / 62) * std::cos(kTurn * (y - 25) / 90) -
-         0.035 * (x - 40) * (x - 40) / 40;
-}
-
 ToolPose pose_on_front(double x, double y, double depth_mm) {
-  constexpr double kD = 0.01;
-  const Vec3 normal = normalized(
-      {front(x - kD, y) - front(x + kD, y), front(x, y - kD) - front(x, y + kD), 2 * kD});
-  return {Vec3{x, y, front(x, y)} - normal * depth_mm, normal};
+  const Vec3 normal = front_normal(x, y);
+  return {front_point(x, y) - normal * depth_mm, normal};
 }
 
 }  // namespace
@@ -122,6 +114,18 @@ Example brush() {
     append_stroke(dabs, one.path);
   }
   return one;
+}
+
+Vec3 front_point(double x, double y) {
+  return {x, y,
+          -4.2 + 2.4 * std::cos(kTurn * (x - 40) / 62) * std::cos(kTurn * (y - 25) / 90) -
+              0.035 * (x - 40) * (x - 40) / 40};
+}
+
+Vec3 front_normal(double x, double y) {
+  constexpr double kD = 0.01;
+  return normalized({front_point(x - kD, y).z - front_point(x + kD, y).z,
+                     front_point(x, y - kD).z - front_point(x, y + kD).z, 2 * kD});
 }
 
 Example furniture(std::size_t* spirals) {

@@ -25,6 +25,10 @@ Example brush();
 /// Fig. 18: a front of a drawer in five axes: a wavy surface, and two spirals cut into it, with the
 /// tool along the normal. The last `*spirals` poses belong to the spirals.
 Example furniture(std::size_t* spirals = nullptr);
+/// The wavy surface of that front at a position of its stock, and its unit normal by central
+/// differences.
+Vec3 front_point(double x_mm, double y_mm);
+Vec3 front_normal(double x_mm, double y_mm);
 
 /// Returns the height of the bird above the ground of its relief, mm, at a position of its stock.
 double bird_height(double x_mm, double y_mm);
