@@ -73,7 +73,14 @@ describe('history', () => {
       end_s: [0.5, 1],
       removed_mm3: [7, 8],
       motions: [4, 4],
-      peak: { tip_mm: [[1, 2, 3]], force_n: [[4, 5, 6], [0, 0, 0]], torque_nmm: [[7, 8, 9]] },
+      peak: {
+        tip_mm: [[1, 2, 3]],
+        force_n: [
+          [4, 5, 6],
+          [0, 0, 0],
+        ],
+        torque_nmm: [[7, 8, 9]],
+      },
     });
     const peaks = [{ tipMm: [1, 2, 3], forceN: [4, 5, 6], torqueNmm: [7, 8, 9] }];
     const curve = { first: [1], last: [4], minN: [0], meanN: [1], maxN: [3] };

@@ -9,7 +9,9 @@ const peak = (tipMm: Vec3, forceN: Vec3, torqueNmm: Vec3 = [0, 0, 0]): WrenchPea
   forceN,
   torqueNmm,
 });
-const ALONG = Array.from({ length: 10 }, (_, n) => peak([n, 0, 0], [-1 - (n % 3), 0, 0], [0, n, 0]));
+const ALONG = Array.from({ length: 10 }, (_, n) =>
+  peak([n, 0, 0], [-1 - (n % 3), 0, 0], [0, n, 0]),
+);
 
 describe('force and torque along a path', () => {
   it('are read from an answer, up to the shortest column', () => {
@@ -38,7 +40,11 @@ describe('force and torque along a path', () => {
 
   it('are arrows from the tip, in proportion to the greatest', () => {
     const of = ({ forceN }: WrenchPeak): Vec3 => forceN;
-    for (const force of [[0, 0, 2], [0, -2, 0], [2, 0, 0]] as Vec3[]) {
+    for (const force of [
+      [0, 0, 2],
+      [0, -2, 0],
+      [2, 0, 0],
+    ] as Vec3[]) {
       const points = [...arrowLines([peak([5, 6, 7], force)], of, 4, 10)];
       expect(points).toHaveLength(3 * 2 * 3);
       expect(points.slice(0, 3)).toEqual([5, 6, 7]);
