@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/act_on_signal.h"
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <atomic>
-
 #include "tests/support/eventually.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::act_on_signal_test {
 namespace {

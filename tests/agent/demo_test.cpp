@@ -2,18 +2,11 @@
 // The demo's programs carve the intended surface, without gouges and with little material left
 // above it.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <string>
-#include <vector>
-
 #include "haptic_agent/demo/ammonite.h"
 #include "haptic_agent/demo/carving.h"
 #include "haptic_agent/demo/height_map.h"
 #include "haptic_agent/demo/stroke.h"
+#include "tests/support/test.h"
 
 namespace kerf::demo::demo_test {
 namespace {

@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/doctor/doctor.h"
 
-#include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <array>
-#include <fstream>
-#include <iterator>
-#include <sstream>
-#include <string>
-#include <thread>
-#include <utility>
-
 #include "haptic_agent/doctor/checks.h"
 #include "haptic_agent/run_agents.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::doctor_test {
 namespace {

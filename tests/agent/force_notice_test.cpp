@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/force_notice.h"
 
-#include <gtest/gtest.h>
-
-#include <string>
-
 #include "haptic_agent/plain_number.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::force_notice_test {
 namespace {

@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/laboratory.h"
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-
 #include "haptic_agent/device/replay.h"
 #include "haptic_agent/realtime/clock.h"
 #include "haptic_agent/record/feel_session.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::laboratory_test {
 namespace {

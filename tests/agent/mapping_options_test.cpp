@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/mapping_options.h"
 
-#include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "haptic_agent/options.h"
 #include "haptic_agent/summary.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::mapping_options_test {
 namespace {

@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/options.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <sstream>
-#include <string>
-#include <vector>
 
 #include "haptic_agent/run_agent.h"
 #include "haptic_agent/summary.h"
 #include "haptic_agent/wrapped_help.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::options_test {
 namespace {

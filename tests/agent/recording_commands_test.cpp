@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/recording_commands.h"
 
-#include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <string>
-#include <vector>
 
 #include "haptic_agent/record/recorder.h"
 #include "haptic_agent/recording_about.h"
 #include "server/wire/types.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::recording_commands_test {
 namespace {

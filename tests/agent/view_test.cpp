@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <sstream>
-#include <string>
-
 #include "haptic_agent/terminal_view.h"
 #include "haptic_agent/trip_log.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::view_test {
 namespace {

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks the project's rules against the source tree.
 
-#include <gtest/gtest.h>
-
-#include <set>
-#include <string>
-#include <vector>
-
 #include "tests/arch/includes.h"
 #include "tests/arch/modules.h"
 #include "tests/arch/sizes.h"
 #include "tests/arch/source.h"
 #include "tests/arch/tokens.h"
 #include "tests/arch/words.h"
+#include "tests/support/test.h"
 
 namespace kerf::arch::arch_test {
 namespace {

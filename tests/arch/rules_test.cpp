@@ -2,18 +2,13 @@
 // Checks each rule of this folder against small made-up sources: one that breaks it and one that
 // does not.
 
-#include <gtest/gtest.h>
-
-#include <set>
-#include <string>
-#include <vector>
-
 #include "tests/arch/includes.h"
 #include "tests/arch/modules.h"
 #include "tests/arch/sizes.h"
 #include "tests/arch/source.h"
 #include "tests/arch/tokens.h"
 #include "tests/arch/words.h"
+#include "tests/support/test.h"
 
 namespace kerf::arch::rules_test {
 namespace {

@@ -1,16 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/datagram/cipher.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <numeric>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "server/datagram/key.h"
 #include "server/wire/codec.h"
+#include "tests/support/test.h"
 
 namespace kerf::datagram::cipher_test {
 namespace {

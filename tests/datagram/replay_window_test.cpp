@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/datagram/replay_window.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <random>
-#include <set>
-#include <vector>
+#include "tests/support/test.h"
 
 namespace kerf::datagram::replay_window_test {
 namespace {

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/accuracy_choice.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 
 #include "server/formats/scene.h"
+#include "tests/support/test.h"
 
 namespace kerf::accuracy_choice_test {
 namespace {

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/verify/air_space.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
-
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::air_space_test {
 namespace {

@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // APT CL data of other systems, against paths computed by hand.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "server/formats/derived_scene.h"
 #include "server/formats/program_facts.h"
 #include "server/formats/stated_tools.h"
 #include "tests/formats/scene_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::apt_systems_test {
 namespace {

@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/arc_fit.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <sstream>
-#include <vector>
-
 #include "server/formats/pose_grid.h"
 #include "server/formats/program_writer.h"
 #include "server/formats/units.h"
 #include "tests/formats/scene_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::arc_fit_test {
 namespace {

@@ -2,14 +2,7 @@
 // Paths that clear pockets, slots, studs and faces: every point of a raster is either cut or not.
 #include "server/formats/area_path.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <functional>
-#include <limits>
-#include <numbers>
+#include "tests/support/test.h"
 
 namespace kerf::area_path_test {
 namespace {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/bounded_json.h"
 
-#include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
-#include <random>
-#include <string>
+
+#include "tests/support/test.h"
 
 namespace kerf::bounded_json_test {
 namespace {

@@ -2,20 +2,15 @@
 // kerf-carve ends after SIGINT and SIGTERM in every phase of long work and leaves no file. Each
 // test waits until the program itself shows the phase (its progress on a terminal, or the file that
 // it writes) and then sends the signal. The jobs take far longer than the test may.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <poll.h>
 #include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <string>
-#include <vector>
 
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::carve_stop_test {
 namespace {

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/verify/cut_depth.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-
 #include "kernel/sculpture.h"
 #include "server/formats/model/indexed_mesh.h"
 #include "server/verify/convex_outline.h"
 #include "tests/support/carvings.h"
+#include "tests/support/test.h"
 
 namespace kerf::cut_depth_test {
 namespace {

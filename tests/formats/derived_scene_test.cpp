@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/derived_scene.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <fstream>
-
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::derived_scene_test {
 namespace {

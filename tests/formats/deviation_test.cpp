@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/verify/deviation.h"
 
-#include <gtest/gtest.h>
-
 #include "server/verify/deviation_survey.h"
 #include "tests/support/carvings.h"
+#include "tests/support/test.h"
 
 namespace kerf::deviation_test {
 namespace {

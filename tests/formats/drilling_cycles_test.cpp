@@ -1,16 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/drilling_cycles.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <random>
-#include <sstream>
-
 #include "server/formats/pose_grid.h"
 #include "tests/formats/post_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::drilling_cycles_test {
 namespace {

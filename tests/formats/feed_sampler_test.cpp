@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <sstream>
-
 #include "kernel/math/rotation.h"
 #include "server/formats/forces_csv.h"
 #include "tests/formats/scene_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::feed_sampler_test {
 namespace {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/gcode_comment.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
+#include "tests/support/test.h"
 
 namespace kerf::gcode_comment_test {
 namespace {

@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "tests/formats/canon_record.h"
+#include "tests/support/test.h"
 
 namespace kerf::gcode_compensation_test {
 namespace {

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "tests/formats/canon_record.h"
+#include "tests/support/test.h"
 
 namespace kerf::gcode_cycle_test {
 namespace {

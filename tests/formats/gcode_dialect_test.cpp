@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "server/formats/gcode/dialect_choice.h"
 #include "server/formats/gcode/source.h"
 #include "tests/formats/dialect_runs.h"
+#include "tests/support/test.h"
 
 namespace kerf::gcode_dialect_test {
 namespace {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "server/formats/gcode/parameter_file.h"
 #include "server/formats/gcode/tool_table.h"
 #include "tests/formats/canon_record.h"
 #include "tests/formats/scene_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::gcode_environment_test {
 namespace {

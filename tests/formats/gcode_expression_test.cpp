@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "server/formats/gcode/block.h"
 #include "server/formats/gcode/expression.h"
 #include "server/formats/gcode/fault.h"
+#include "tests/support/test.h"
 
 namespace kerf::gcode_expression_test {
 namespace {

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Blocks of Fanuc and Haas, against paths computed by hand.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "tests/formats/dialect_runs.h"
+#include "tests/support/test.h"
 
 namespace kerf::gcode_fanuc_test {
 namespace {

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Work offsets that programs of Fanuc and Haas set, without a parameter file.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "server/formats/number_text.h"
 #include "tests/formats/dialect_runs.h"
+#include "tests/support/test.h"
 
 namespace kerf::gcode_offsets_test {
 namespace {

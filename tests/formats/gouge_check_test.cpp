@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/verify/gouge_check.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
-
 #include "server/carve/misfits.h"
 #include "tests/support/carvings.h"
+#include "tests/support/test.h"
 
 namespace kerf::gouge_check_test {
 namespace {

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/guide.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <string>
-
 #include "server/formats/guide_json.h"
 #include "server/formats/guide_paths.h"
 #include "server/formats/guide_reader.h"
 #include "server/formats/scene.h"
+#include "tests/support/test.h"
 
 namespace kerf::guide_test {
 namespace {

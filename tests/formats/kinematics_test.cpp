@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <random>
-
 #include "kernel/math/rotation.h"
 #include "server/formats/machine_kinematics.h"
 #include "server/formats/units.h"
 #include "tests/formats/scene_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::kinematics_test {
 namespace {

@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pockets, studs, patterns, approaches and departures of HEIDENHAIN Klartext: removed volumes and
 // paths.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "tests/formats/carved_volume.h"
 #include "tests/formats/scene_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::klartext_area_test {
 namespace {

@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // HEIDENHAIN Klartext, against paths computed by hand.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "server/formats/derived_scene.h"
 #include "server/formats/heidenhain/blocks.h"
 #include "tests/formats/scene_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::klartext_test {
 namespace {

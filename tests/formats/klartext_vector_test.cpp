@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // LN of HEIDENHAIN Klartext: lines at whose end the tool has turned to a vector.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "server/formats/program_facts.h"
 #include "tests/formats/scene_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::klartext_vector_test {
 namespace {

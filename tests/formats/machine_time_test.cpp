@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/machine_time.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <initializer_list>
+#include "tests/support/test.h"
 
 namespace kerf::machine_time_test {
 namespace {

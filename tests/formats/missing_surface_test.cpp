@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Surface missing from the mesh counts as error: errors are also measured from the true surface to
 // the mesh, and walls that may fall between the rays are found from the swept shapes.
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "server/carve/surface_error.h"
 #include "server/verify/thin_walls.h"
 #include "tests/support/standard_job.h"
+#include "tests/support/test.h"
 
 namespace kerf::missing_surface_test {
 namespace {

@@ -3,13 +3,8 @@
 // tool.
 #include "server/formats/gcode/outline_pocket.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "tests/formats/dialect_runs.h"
+#include "tests/support/test.h"
 
 namespace kerf::outline_pocket_test {
 namespace {

@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/pose_grid.h"
 
-#include <gtest/gtest.h>
-
-#include <bit>
-#include <charconv>
-#include <cmath>
-#include <cstdint>
-#include <random>
-
 #include "server/formats/number_text.h"
+#include "tests/support/test.h"
 
 namespace kerf::pose_grid_test {
 namespace {

@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/post.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <sstream>
-
 #include "server/formats/pose_grid.h"
 #include "server/formats/program_writer.h"
 #include "tests/formats/post_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::post_test {
 namespace {

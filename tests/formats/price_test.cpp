@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/verify/price.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::price_test {
 namespace {

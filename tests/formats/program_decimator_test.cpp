@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/program_decimator.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <random>
-#include <sstream>
-
 #include "server/formats/machine_kinematics.h"
 #include "server/formats/pose_grid.h"
 #include "tests/formats/scene_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::program_decimator_test {
 namespace {

@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-#include <sstream>
-#include <vector>
-
 #include "kernel/math/rotation.h"
 #include "server/formats/gcode/parameter_file.h"
 #include "server/formats/pose_grid.h"
 #include "tests/formats/scene_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::program_fuzz_test {
 namespace {

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/program_path.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
+#include "tests/support/test.h"
 
 namespace kerf::program_path_test {
 namespace {

@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/program_reader.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <stop_token>
-
 #include "server/formats/derived_scene.h"
 #include "server/formats/gcode/program_flow.h"
 #include "server/formats/program_survey.h"
 #include "tests/formats/scene_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::program_reader_test {
 namespace {

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Words of postprocessors and shops that a control does not need, and programs recognized by them.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "server/formats/derived_scene.h"
 #include "server/formats/gcode/dialect_choice.h"
 #include "server/formats/gcode/turning.h"
 #include "server/formats/text_lines.h"
 #include "tests/formats/dialect_runs.h"
 #include "tests/formats/post_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::program_words_test {
 namespace {

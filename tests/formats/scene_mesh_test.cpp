@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenes that name meshes.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
-
 #include "server/formats/scene.h"
+#include "tests/support/test.h"
 
 namespace kerf::scene_mesh_test {
 namespace {

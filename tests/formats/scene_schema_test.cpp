@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
 #include <regex>
-#include <set>
 
 #include "server/formats/scene.h"
 #include "server/formats/scene_templates.h"
 #include "tests/formats/json_schema.h"
+#include "tests/support/test.h"
 
 namespace kerf::scene_schema_test {
 namespace {

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/scene_templates.h"
 
-#include <gtest/gtest.h>
-
-#include <set>
-
 #include "server/formats/scene.h"
+#include "tests/support/test.h"
 
 namespace kerf::scene_templates_test {
 namespace {

@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/scene.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <sstream>
-#include <vector>
-
 #include "tests/formats/scene_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::scene_test {
 namespace {

@@ -1,14 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-#include <sstream>
-#include <utility>
-
 #include "server/formats/scene.h"
 #include "server/formats/tool_text.h"
+#include "tests/support/test.h"
 
 namespace kerf::scene_tool_test {
 namespace {

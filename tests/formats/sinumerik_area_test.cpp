@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pockets, spigots, faces and swiveled planes of SINUMERIK: removed volumes and paths.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "tests/formats/carved_volume.h"
 #include "tests/formats/scene_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::sinumerik_area_test {
 namespace {

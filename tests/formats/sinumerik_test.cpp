@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SINUMERIK programs, against paths computed by hand.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "server/formats/derived_scene.h"
 #include "tests/formats/scene_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::sinumerik_test {
 namespace {

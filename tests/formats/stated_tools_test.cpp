@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/stated_tools.h"
 
-#include <gtest/gtest.h>
-
 #include "server/formats/stated_stock.h"
 #include "server/formats/tool_text.h"
 #include "server/formats/tool_words.h"
+#include "tests/support/test.h"
 
 namespace kerf::stated_tools_test {
 namespace {

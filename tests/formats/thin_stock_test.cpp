@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Walls and grooves of a mesh stock that are thinner than the pitch.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <random>
-
 #include "kernel/dexel/mesh_stock.h"
 #include "server/verify/stock_mesh.h"
 #include "server/verify/thin_walls.h"
+#include "tests/support/test.h"
 
 namespace kerf::thin_stock_test {
 namespace {

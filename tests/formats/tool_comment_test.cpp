@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tools described in the comments of programs: the grammar of their words, and the comments of
 // Kerf's own exports.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <sstream>
-
 #include "server/formats/derived_scene.h"
 #include "server/formats/number_text.h"
 #include "server/formats/stated_tools.h"
 #include "server/formats/tool_text.h"
 #include "server/formats/tool_words.h"
 #include "tests/formats/post_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::tool_comment_test {
 namespace {

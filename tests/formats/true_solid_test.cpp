@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/verify/true_solid.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "server/carve/surface_error.h"
 #include "tests/support/standard_job.h"
 #include "tests/support/swept_oracle.h"
+#include "tests/support/test.h"
 
 namespace kerf::true_solid_test {
 namespace {

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which rapids of a verified program cut into the stock.
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "tests/formats/verify_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::verify_rapids_test {
 namespace {

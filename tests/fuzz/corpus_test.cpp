@@ -1,16 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs the inputs of corpus/, and inputs derived from them, through every target of the fuzzer.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "tests/fuzz/targets.h"
+#include "tests/support/test.h"
 
 namespace kerf::fuzz::corpus_test {
 namespace {

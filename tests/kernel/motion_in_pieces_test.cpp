@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/motion_in_pieces.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <random>
-
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::motion_in_pieces_test {
 namespace {

@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/motion_reach.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <vector>
-
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::motion_reach_test {
 namespace {

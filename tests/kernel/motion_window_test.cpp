@@ -2,14 +2,7 @@
 // Motions that are applied together give the same bytes as one after the other, regardless of the
 // threads that do parts of them, and of their order.
 
-#include <gtest/gtest.h>
 #include <malloc.h>
-
-#include <algorithm>
-#include <memory>
-#include <random>
-#include <string>
-#include <vector>
 
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/dexel_tile.h"
@@ -17,6 +10,7 @@
 #include "kernel/sculpture_check.h"
 #include "kernel/tool/tool.h"
 #include "tests/support/shuffled_workers.h"
+#include "tests/support/test.h"
 #include "tests/support/thread_workers.h"
 
 namespace kerf::motion_window_test {

@@ -4,11 +4,8 @@
 
 #include "tests/support/standard_job.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "tests/support/swept_oracle.h"
+#include "tests/support/test.h"
 
 namespace kerf::standard_job_test {
 namespace {

@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <numbers>
-#include <optional>
-#include <vector>
-
 #include "tests/support/carvings.h"
 #include "tests/support/mesh_check.h"
+#include "tests/support/test.h"
 
 namespace kerf::surface_mesh_test {
 namespace {

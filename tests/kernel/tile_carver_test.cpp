@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/tile_carver.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <optional>
-#include <random>
-
 #include "kernel/dexel/common_solid.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/dexel_tile.h"
 #include "kernel/sculpture.h"
 #include "kernel/sculpture_motion.h"
+#include "tests/support/test.h"
 
 namespace kerf::tile_carver_test {
 namespace {

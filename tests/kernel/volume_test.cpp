@@ -1,22 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Volumes of blocks that the pitch does not divide, against closed forms.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <numbers>
-#include <optional>
-#include <random>
-#include <vector>
-
 #include "kernel/dexel/column_shares.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/mesh_stock.h"
 #include "kernel/dexel/stock_column.h"
 #include "kernel/motion_in_pieces.h"
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::volume_test {
 namespace {

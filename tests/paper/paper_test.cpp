@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <iterator>
-
 #include "tests/paper/check.h"
 #include "tests/paper/examples.h"
 #include "tests/paper/page.h"
 #include "tests/paper/voxel_block.h"
+#include "tests/support/test.h"
 
 namespace kerf::paper::paper_test {
 namespace {

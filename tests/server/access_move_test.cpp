@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The rights of a session at the server that takes it over.
-#include <gtest/gtest.h>
-
 #include "server/rights/access.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::access_move_test {
 namespace {

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rights/access.h"
 
-#include <gtest/gtest.h>
 #include <sys/stat.h>
-
-#include <fstream>
-#include <iterator>
 
 #include "server/rights/admin_token.h"
 #include "server/rights/rights.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::access_test {
 namespace {

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <chrono>
-#include <string>
-
 #include "tests/server/conversation_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::agent_reach_test {
 namespace {

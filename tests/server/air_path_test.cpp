@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/air_path.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <vector>
+#include "tests/support/test.h"
 
 namespace kerf::air_path_test {
 namespace {

@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The rights of callers over HTTP, without a socket.
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <set>
-#include <thread>
-
 #include "server/http/cookie.h"
 #include "server/http/routes.h"
 #include "tests/server/api_rights_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::api_rights_test {
 namespace {

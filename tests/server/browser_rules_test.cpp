@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/browser_rules.h"
 
-#include <gtest/gtest.h>
+#include "tests/support/test.h"
 
 namespace kerf::net::browser_rules_test {
 namespace {

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/feed/changed_columns.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "kernel/sculpture.h"
 #include "server/feed/tile_feed.h"
+#include "tests/support/test.h"
 
 namespace kerf::changed_columns_test {
 namespace {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests whose session is deleted, and its id reused, while they are handled.
-#include <gtest/gtest.h>
-
 #include "server/store/journal_file.h"
 #include "tests/server/api_rights_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::closed_meanwhile_test {
 namespace {

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/feed/column_digest.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstdlib>
-#include <map>
-
 #include "server/feed/tile_feed.h"
 #include "tests/support/carvings.h"
 #include "tests/support/glb_reader.h"
+#include "tests/support/test.h"
 
 namespace kerf::column_digest_test {
 namespace {

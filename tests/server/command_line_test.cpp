@@ -2,21 +2,11 @@
 // Options of kerf-server: from the command line, a file and the environment.
 #include "server/command_line.h"
 
-#include <gmock/gmock.h>
 #include <unistd.h>
-
-#include <array>
-#include <climits>
-#include <cstdlib>
-#include <fstream>
-#include <map>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "server/log/log.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::command_line_test {
 namespace {

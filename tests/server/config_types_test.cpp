@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/config_types.h"
 
-#include <gtest/gtest.h>
+#include "tests/support/test.h"
 
 namespace kerf::config_types_test {
 namespace {

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <limits>
-
 #include "kernel/tool/tool_check.h"
 #include "server/convert/batch_sum.h"
 #include "server/convert/held_cut.h"
 #include "server/convert/sample_pose.h"
 #include "server/convert/tool_track.h"
 #include "server/formats/pose_grid.h"
+#include "tests/support/test.h"
 
 namespace kerf::convert_test {
 namespace {

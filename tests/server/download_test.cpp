@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <fstream>
-#include <stop_token>
-#include <thread>
-
 #include "server/http/byte_range.h"
 #include "server/http/download_cache.h"
 #include "server/http/download_name.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::download_test {
 namespace {

@@ -1,20 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/threads/fair_queue.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <atomic>
 #include <latch>
-#include <map>
-#include <random>
-#include <stdexcept>
-#include <string>
-#include <thread>
-#include <vector>
 
 #include "server/threads/io_threads.h"
 #include "tests/server/manual_executor.h"
+#include "tests/support/test.h"
 
 namespace kerf::fair_queue_test {
 namespace {

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstring>
-
 #include "server/feed/mesh_glb.h"
 #include "tests/support/carvings.h"
 #include "tests/support/glb_reader.h"
 #include "tests/support/mesh_check.h"
+#include "tests/support/test.h"
 
 namespace kerf::feed_glb_test {
 namespace {

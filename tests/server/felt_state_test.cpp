@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
 #include "tests/server/session_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::felt_state_test {
 namespace {

@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/threads/io_threads.h"
 
-#include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/resource.h>
-
-#include <algorithm>
-#include <chrono>
-#include <future>
-#include <stdexcept>
-#include <vector>
 
 #include "server/session/session_registry.h"
 #include "server/socket/peer_context.h"
 #include "server/threads/run_and_wait.h"
 #include "tests/server/session_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::io_threads_test {
 namespace {

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/job_stops.h"
 
-#include <gtest/gtest.h>
-
-#include <string>
-#include <utility>
-
 #include "server/rights/caller.h"
 #include "tests/server/api_rights_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::job_stops_test {
 namespace {

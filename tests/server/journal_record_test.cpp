@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/journal_record.h"
 
-#include <gtest/gtest.h>
-
 #include "server/store/crc32.h"
+#include "tests/support/test.h"
 
 namespace kerf::journal_record_test {
 namespace {

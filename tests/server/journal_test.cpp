@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
 #include <sqlite3.h>
-
-#include <fstream>
 
 #include "server/store/journal_reader.h"
 #include "server/store/journal_writer.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::journal_test {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/log/log.h"
 
-#include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 #include <regex>
+
+#include "tests/support/test.h"
 
 namespace kerf::log_test {
 namespace {

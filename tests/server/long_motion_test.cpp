@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Motions that are more work than one turn of a session's executor.
-#include <gtest/gtest.h>
-
-#include <array>
-#include <optional>
-#include <vector>
-
 #include "tests/server/session_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::long_motion_test {
 namespace {

@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // One allocation fails somewhere during a request. Afterwards either the block matches the journal,
 // or the request was rejected and has changed nothing.
-#include <gtest/gtest.h>
-
-#include <chrono>
-#include <cstdint>
-#include <future>
-#include <new>
-#include <random>
-#include <string>
-
 #include "tests/server/random_runs.h"
 #include "tests/server/undo_fixture.h"
 #include "tests/support/failing_memory.h"
+#include "tests/support/test.h"
 
 namespace kerf::memory_test {
 namespace {

@@ -2,18 +2,14 @@
 // The OpenAPI document describes the routes of the table, and nothing else.
 #include "server/http/openapi.h"
 
-#include <gtest/gtest.h>
 #include <kerf/version.h>
 
-#include <cctype>
 #include <nlohmann/json.hpp>
-#include <ranges>
-#include <set>
-#include <string>
 
 #include "server/http/routes.h"
 #include "server/matters.h"
 #include "tests/server/api_rights_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::openapi_test {
 namespace {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every command on an item that somebody has made, by every role, for the caller's own item and for
 // another's.
-#include <gtest/gtest.h>
-
 #include "tests/server/api_rights_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::own_things_test {
 namespace {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/participants.h"
 
-#include <gtest/gtest.h>
-
 #include "server/platform/clock.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::participants_test {
 namespace {

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/pins/pins.h"
 
-#include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "server/matters.h"
 #include "server/store/journal_file.h"
 #include "server/store/list_table.h"
 #include "server/store/plain_text.h"
 #include "tests/server/undo_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::pins_test {
 namespace {

@@ -1,21 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
 #include <pthread.h>
 
-#include <algorithm>
-#include <array>
-#include <chrono>
 #include <csignal>
-#include <cstddef>
-#include <cstdint>
-#include <set>
-#include <span>
-#include <stop_token>
-#include <thread>
-#include <vector>
 
 #include "server/platform/clock.h"
 #include "server/platform/random.h"
+#include "tests/support/test.h"
 
 namespace kerf::platform_test {
 namespace {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/program_alarms.h"
 
-#include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 
 #include "server/session/program_json.h"
 #include "tests/server/session_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::program_alarms_test {
 namespace {

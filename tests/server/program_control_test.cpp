@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pausing, stepping, pacing and queueing of programs, and their texts.
-#include <gtest/gtest.h>
-
-#include <thread>
-
 #include "server/platform/clock.h"
 #include "server/session/stopped_program.h"
 #include "tests/server/session_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::program_control_test {
 namespace {

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/program_runs.h"
 
-#include <gtest/gtest.h>
-
-#include <thread>
-
 #include "server/platform/clock.h"
+#include "tests/support/test.h"
 
 namespace kerf::program_runs_test {
 namespace {

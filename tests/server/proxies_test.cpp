@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/proxies.h"
 
-#include <gtest/gtest.h>
-
 #include "server/http/request_head.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::proxies_test {
 namespace {

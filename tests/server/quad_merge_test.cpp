@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/feed/quad_merge.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <set>
-
 #include "server/feed/tile_border.h"
 #include "server/formats/model/mesh_distance.h"
 #include "tests/support/carvings.h"
 #include "tests/support/mesh_check.h"
+#include "tests/support/test.h"
 
 namespace kerf::quad_merge_test {
 namespace {

@@ -3,10 +3,9 @@
 // limited.
 #include "server/session/resumable.h"
 
-#include <gtest/gtest.h>
-
 #include "server/store/sqlite.h"
 #include "tests/server/session_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::resumable_test {
 namespace {

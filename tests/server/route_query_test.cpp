@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // No route ignores an unknown query parameter.
-#include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
-#include <ranges>
 
 #include "server/http/routes.h"
 #include "server/matters.h"
 #include "tests/server/session_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::route_query_test {
 namespace {

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <chrono>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "server/http/routes.h"
 #include "server/matters.h"
 #include "tests/server/session_fixture.h"
+#include "tests/support/test.h"
 #include "tests/support/zip_files.h"
 
 namespace kerf::net::route_table_test {

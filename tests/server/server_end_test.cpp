@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <future>
-#include <memory>
-#include <string>
-#include <thread>
-#include <vector>
-
 #include "server/server.h"
 #include "tests/bench/raster_agent.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::server_end_test {
 namespace {

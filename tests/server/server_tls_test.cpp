@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // TLS of a whole server: reports about its certificate, and downloads by slow clients.
-#include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <openssl/ssl.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-#include <fstream>
-#include <memory>
-#include <string>
-#include <vector>
 
 #include "server/certificate.h"
 #include "server/log/log.h"
@@ -18,6 +12,7 @@
 #include "tests/server/certificates.h"
 #include "tests/server/session_fixture.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::server_tls_test {
 namespace {

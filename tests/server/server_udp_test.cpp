@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // UDP of a whole server: its port, the keys of agents, and both transports together.
-#include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-#include <memory>
-#include <set>
-#include <string>
-#include <vector>
 
 #include "server/datagram/cipher.h"
 #include "server/server.h"
@@ -16,6 +10,7 @@
 #include "tests/bench/raster_agent.h"
 #include "tests/support/eventually.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::server_udp_test {
 namespace {

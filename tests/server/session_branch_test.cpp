@@ -1,15 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <csignal>
-#include <cstdint>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "server/matters.h"
 #include "server/session/journal_check.h"
@@ -17,6 +9,7 @@
 #include "server/store/record_rows.h"
 #include "server/versions/versions.h"
 #include "tests/server/undo_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::session_branch_test {
 namespace {

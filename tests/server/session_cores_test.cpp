@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A session whose agents carve in parallel on several threads: state, journal and results equal
 // those of one thread that takes the motions in journal order.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <random>
-#include <vector>
-
 #include "tests/server/session_fixture.h"
 #include "tests/support/shuffled_workers.h"
+#include "tests/support/test.h"
 #include "tests/support/thread_workers.h"
 
 namespace kerf::session_cores_test {

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A session that follows another one through a copy of its journal.
-#include <gtest/gtest.h>
-
-#include <chrono>
-#include <random>
-#include <thread>
-
 #include "server/history/journal_records.h"
 #include "server/session/live_state.h"
 #include "server/store/journal_change.h"
 #include "server/threads/io_threads.h"
 #include "server/threads/run_and_wait.h"
 #include "tests/server/undo_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::session_follow_test {
 namespace {

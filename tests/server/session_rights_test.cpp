@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Effects of roles, mutes, removals and reserved regions on the participants of a session.
-#include <gtest/gtest.h>
-
-#include <random>
-
 #include "kernel/tool/tool_bounds.h"
 #include "server/http/api.h"
 #include "server/session/reserved.h"
 #include "tests/server/session_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::session_rights_test {
 namespace {

@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/session.h"
 
-#include <gtest/gtest.h>
-
-#include <chrono>
-#include <cmath>
-#include <optional>
-#include <sstream>
-#include <thread>
-
 #include "server/formats/program.h"
 #include "server/session/session_export.h"
 #include "server/session/session_registry.h"
 #include "tests/server/session_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::session_test {
 namespace {

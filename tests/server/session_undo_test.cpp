@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <chrono>
-#include <future>
-#include <sstream>
-#include <thread>
-
 #include "kernel/cut/workers.h"
 #include "server/formats/program.h"
 #include "server/session/journal_check.h"
 #include "server/session/session_export.h"
 #include "tests/server/undo_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::session_undo_test {
 namespace {

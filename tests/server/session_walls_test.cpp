@@ -2,12 +2,10 @@
 // Walls and grooves of a session thinner than the pitch.
 #include "server/session/session_walls.h"
 
-#include <gmock/gmock.h>
-
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "tests/server/session_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::session_walls_test {
 namespace {

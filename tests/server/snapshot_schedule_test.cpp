@@ -2,11 +2,8 @@
 // The schedule of a session's snapshots.
 #include "server/session/snapshot_schedule.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "server/platform/clock.h"
+#include "tests/support/test.h"
 
 namespace kerf::snapshot_schedule_test {
 namespace {

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/static_files.h"
 
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <string>
-
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::static_files_test {
 namespace {

@@ -3,12 +3,9 @@
 
 #include "server/convert/stock_columns.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
-
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::stock_columns_test {
 namespace {

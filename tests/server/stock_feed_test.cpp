@@ -4,15 +4,11 @@
 
 #include "server/feed/stock_feed.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <vector>
-
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/tile_region.h"
 #include "server/convert/stock_columns.h"
 #include "server/wire/limits.h"
+#include "tests/support/test.h"
 
 namespace kerf::stock_feed_test {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
 #include "server/http/api.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::target_test {
 namespace {

@@ -1,16 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/threads/thread_pool.h"
 
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <chrono>
-#include <mutex>
-#include <set>
-#include <stdexcept>
-#include <string>
-#include <thread>
-#include <vector>
+#include "tests/support/test.h"
 
 namespace kerf::thread_pool_test {
 namespace {

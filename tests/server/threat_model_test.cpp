@@ -1,11 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <sstream>
-#include <string>
+#include "tests/support/test.h"
 
 namespace kerf::threat_model_test {
 namespace {

@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/feed/tile_detail.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <random>
-#include <set>
-#include <tuple>
-
 #include "tests/support/carvings.h"
 #include "tests/support/drawn_error.h"
 #include "tests/support/mesh_check.h"
+#include "tests/support/test.h"
 
 namespace kerf::tile_detail_test {
 namespace {

@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <chrono>
-#include <map>
-#include <utility>
-#include <vector>
-
 #include "server/feed/tile_feed.h"
 #include "tests/server/feed_screen.h"
 #include "tests/support/carvings.h"
+#include "tests/support/test.h"
 
 namespace kerf::tile_feed_budget_test {
 namespace {

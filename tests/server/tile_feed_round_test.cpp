@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <cstdint>
-
 #include "server/feed/tile_feed.h"
 #include "tests/support/carvings.h"
+#include "tests/support/test.h"
 
 namespace kerf::tile_feed_round_test {
 namespace {

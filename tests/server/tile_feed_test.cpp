@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/feed/tile_feed.h"
 
-#include <gtest/gtest.h>
-
-#include <array>
-#include <atomic>
-#include <map>
-#include <thread>
-
 #include "tests/server/feed_screen.h"
 #include "tests/support/carvings.h"
+#include "tests/support/test.h"
 
 namespace kerf::tile_feed_test {
 namespace {

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/feed/tile_runs.h"
 
-#include <gtest/gtest.h>
-
-#include <map>
-
 #include "server/feed/tile_feed.h"
 #include "tests/support/carvings.h"
 #include "tests/support/glb_reader.h"
+#include "tests/support/test.h"
 
 namespace kerf::tile_runs_test {
 namespace {

@@ -1,23 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // TLS channels against each other, and against peers that do not speak TLS.
 #include <fcntl.h>
-#include <gtest/gtest.h>
 #include <openssl/ssl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <array>
-#include <fstream>
-#include <memory>
 #include <regex>
-#include <string_view>
-#include <tuple>
-#include <vector>
 
 #include "server/tls/tls_channel.h"
 #include "server/tls/tls_context.h"
 #include "tests/server/certificates.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::tls_test {
 namespace {

@@ -2,16 +2,13 @@
 #include "server/udp/udp_port.h"
 
 #include <arpa/inet.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
-
-#include <array>
-#include <mutex>
 
 #include "server/datagram/cipher.h"
 #include "server/metrics/metrics.h"
 #include "tests/server/session_fixture.h"
 #include "tests/support/eventually.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::udp_port_test {
 namespace {

@@ -2,16 +2,11 @@
 // Random histories: strokes with every tool by several hands, alone and in parallel, undo, redo,
 // branches, restarts with and without a snapshot, and looks back. After each step the block is
 // compared with one carved from the surviving strokes alone.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <random>
-
 #include "tests/server/rack_scene.h"
 #include "tests/server/random_runs.h"
 #include "tests/server/undo_fixture.h"
 #include "tests/support/shuffled_workers.h"
+#include "tests/support/test.h"
 
 namespace kerf::undo_history_test {
 namespace {

@@ -2,13 +2,8 @@
 // Which uploaded files of which owner are kept.
 #include "server/http/upload_folder.h"
 
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <fstream>
-#include <thread>
-
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::upload_folder_test {
 namespace {

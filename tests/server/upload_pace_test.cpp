@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/upload_pace.h"
 
-#include <gtest/gtest.h>
-
-#include <memory>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "server/server.h"
 #include "tests/server/whole/peer.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::upload_pace_test {
 namespace {

@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/versions/versions.h"
 
-#include <gtest/gtest.h>
-
-#include <cstdint>
-#include <string>
-
 #include "server/matters.h"
 #include "server/store/journal_file.h"
 #include "tests/server/undo_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::versions_test {
 namespace {

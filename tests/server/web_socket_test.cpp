@@ -2,7 +2,6 @@
 // A server's and a client's WebSocket over loopback.
 #include "server/websocket/web_socket.h"
 
-#include <gtest/gtest.h>
 #include <sys/ioctl.h>
 
 #include <boost/asio/co_spawn.hpp>
@@ -15,10 +14,9 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/websocket/error.hpp>
-#include <exception>
-#include <string>
 
 #include "server/websocket/upgrade_request.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::web_socket_test {
 namespace {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/usb/device_mailbox.h"
 
-#include <gtest/gtest.h>
-
-#include <limits>
+#include "tests/support/test.h"
 
 namespace kerf::agent::device_mailbox_test {
 namespace {

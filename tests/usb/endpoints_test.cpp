@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/usb/endpoints.h"
 
-#include <gtest/gtest.h>
-
 #include "haptic_agent/device/usb/usb_fault.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::endpoints_test {
 namespace {

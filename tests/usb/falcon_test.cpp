@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <filesystem>
-#include <random>
-
 #include "haptic_agent/device/falcon/falcon_firmware.h"
 #include "haptic_agent/device/falcon/falcon_protocol.h"
 #include "server/wire/types.h"
+#include "tests/support/test.h"
 #include "tests/usb/model/falcon_model.h"
 #include "tests/usb/rig.h"
 

@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
 #include <libusb-1.0/libusb.h>
 
-#include <algorithm>
-#include <atomic>
-#include <cerrno>
-#include <cmath>
-#include <limits>
-
 #include "haptic_agent/device/reference/reference_protocol.h"
+#include "tests/support/test.h"
 #include "tests/usb/model/reference_firmware.h"
 #include "tests/usb/rig.h"
 

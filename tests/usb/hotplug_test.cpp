@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <cerrno>
-#include <sstream>
-#include <utility>
-
 #include "haptic_agent/device/falcon/falcon_protocol.h"
 #include "haptic_agent/device/reference/reference_protocol.h"
 #include "haptic_agent/device/spacemouse/space_mouse.h"
 #include "haptic_agent/device/usb/usb_haptic_device.h"
 #include "haptic_agent/doctor/doctor.h"
+#include "tests/support/test.h"
 #include "tests/usb/mock_bus.h"
 #include "tests/usb/model/falcon_model.h"
 #include "tests/usb/model/reference_firmware.h"

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/reference/pen.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
+#include "tests/support/test.h"
 #include "tests/usb/model/reference_firmware.h"
 
 namespace kerf::agent::pen_test {

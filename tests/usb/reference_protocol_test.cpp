@@ -3,12 +3,8 @@
 // missing condition.
 #include "haptic_agent/device/reference/reference_protocol.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "haptic_agent/realtime/clock.h"
+#include "tests/support/test.h"
 #include "tests/usb/model/reference_firmware.h"
 
 namespace kerf::usb_test::reference_protocol_test {

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/reference/report.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <random>
-#include <vector>
+#include "tests/support/test.h"
 
 namespace kerf::agent::reference::report_test {
 namespace {

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/spacemouse/space_mouse.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "server/wire/types.h"
+#include "tests/support/test.h"
 #include "tests/usb/model/space_mouse_model.h"
 #include "tests/usb/rig.h"
 

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstdio>
-#include <vector>
-
 #include "haptic_agent/device/reference/reference_protocol.h"
 #include "haptic_agent/realtime/realtime_thread.h"
+#include "tests/support/test.h"
 #include "tests/usb/model/reference_firmware.h"
 #include "tests/usb/rig.h"
 

@@ -1,18 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/wire/codec.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <limits>
-#include <memory>
-#include <random>
-#include <string>
-#include <vector>
+#include "tests/support/test.h"
 
 namespace kerf::wire::codec_test {
 namespace {

@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
 #include "server/wire/codec.h"
+#include "tests/support/test.h"
 #include "tests/wire/golden_json.h"
 
 namespace kerf::wire::golden_test {

@@ -1,16 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the adapter for devices of CHAI3D with a device that the test moves.
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <chrono>
-#include <memory>
-#include <mutex>
-#include <string>
-#include <thread>
-
 #include "haptic_agent/examples/kerf_chai3d.h"
 #include "tests/agent/link/fake_server.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::chai3d_test {
 namespace {

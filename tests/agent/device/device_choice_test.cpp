@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/device_choice.h"
 
-#include <gtest/gtest.h>
-
-#include <fstream>
-
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::device_choice_test {
 namespace {

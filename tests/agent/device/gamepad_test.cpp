@@ -2,26 +2,18 @@
 #include "haptic_agent/device/gamepad/gamepad.h"
 
 #include <fcntl.h>
-#include <gtest/gtest.h>
 #include <linux/input.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <cerrno>
-#include <chrono>
 #include <cstdarg>
-#include <cstring>
-#include <mutex>
-#include <optional>
-#include <thread>
-#include <vector>
 
 #include "haptic_agent/device/device_choice.h"
 #include "haptic_agent/realtime/clock.h"
 #include "server/wire/types.h"
 #include "tests/support/eventually.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::gamepad_test {
 namespace {

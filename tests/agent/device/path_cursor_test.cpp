@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/path_cursor.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include "tests/support/test.h"
 
 namespace kerf::agent::path_cursor_test {
 namespace {

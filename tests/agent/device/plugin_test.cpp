@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <cstdint>
-#include <string>
-
 #include "haptic_agent/device/device_choice.h"
 #include "haptic_agent/device/plugin/c_structs.h"
 #include "haptic_agent/device/plugin/plugin_device.h"
 #include "server/wire/types.h"
 #include "tests/agent/device/fake_plugin.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::plugin_test {
 namespace {

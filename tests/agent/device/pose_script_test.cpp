@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/pose_script.h"
 
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <string>
-
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::pose_script_test {
 namespace {

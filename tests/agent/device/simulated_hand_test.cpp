@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/simulated_hand.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <functional>
-
 #include "haptic_agent/device/replay.h"
 #include "server/wire/types.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::simulated_hand_test {
 namespace {

@@ -1,23 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
-
-#include <atomic>
-#include <chrono>
-#include <condition_variable>
-#include <deque>
-#include <filesystem>
-#include <mutex>
-#include <string>
-#include <thread>
-#include <utility>
 
 #include "haptic_agent/device/device_choice.h"
 #include "haptic_agent/device/socket/line_protocol.h"
 #include "haptic_agent/device/socket/socket_device.h"
 #include "server/wire/types.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::socket_test {
 namespace {

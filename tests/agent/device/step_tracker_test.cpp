@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/step_tracker.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <random>
+#include "tests/support/test.h"
 
 namespace kerf::agent::step_tracker_test {
 namespace {

@@ -1,19 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/doctor/identify.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <deque>
-#include <filesystem>
-#include <fstream>
-#include <string>
-#include <utility>
-
 #include "haptic_agent/device/units.h"
 #include "haptic_agent/servo/servo_cycle.h"
 #include "haptic_agent/z_width.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::identify_test {
 namespace {

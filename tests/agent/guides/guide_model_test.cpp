@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/guides/guide_model.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <random>
-
 #include "haptic_agent/guides/surface_distance.h"
 #include "haptic_agent/servo/mapping/block_settings.h"
 #include "tests/agent/servo/late_spring.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::guide_model_test {
 namespace {

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/guides/path_tree.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <random>
+#include "tests/support/test.h"
 
 namespace kerf::agent::path_tree_test {
 namespace {

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <limits>
-
 #include "tests/agent/library/library_rig.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::library_mapping_test {
 namespace {

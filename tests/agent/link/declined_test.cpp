@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The reason shown to the user if a server declines the connection.
-#include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/link/control_message.h"
 #include "haptic_agent/link/traffic.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::declined_test {
 namespace {

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <array>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
 #include "haptic_agent/device/ranges.h"
 #include "haptic_agent/link/clock_sync.h"
@@ -14,6 +9,7 @@
 #include "haptic_agent/link/traffic.h"
 #include "server/wire/codec.h"
 #include "tests/agent/link/fake_server.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::link_parts_test {
 namespace {

@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests to undo, and the connection on which they are made.
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <chrono>
-#include <string>
-#include <thread>
-#include <vector>
-
 #include "haptic_agent/link/server_link.h"
 #include "tests/agent/link/fake_server.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::link_requests_test {
 namespace {

@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/link/pace.h"
 
-#include <gtest/gtest.h>
-
-#include <chrono>
-#include <cstdint>
-#include <deque>
-#include <random>
-#include <utility>
-
 #include "haptic_agent/link/sample_queue.h"
 #include "server/platform/clock.h"
 #include "server/session/rate_limit.h"
 #include "server/session/session_limits.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::pace_test {
 namespace {

@@ -3,19 +3,6 @@
 // once, in order, at its position, under the same participant, and the solid is that of an
 // uninterrupted run. The agents' Traffic and the server's AgentConversation run on a simulated
 // network and clock, the journal on real files.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <deque>
-#include <map>
-#include <memory>
-#include <random>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "haptic_agent/link/control_message.h"
 #include "haptic_agent/link/traffic.h"
 #include "server/conversation/agent_conversation.h"
@@ -24,6 +11,7 @@
 #include "server/store/journal_reader.h"
 #include "tests/server/session_fixture.h"
 #include "tests/server/store/faulty_disk.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::resume_property_test {
 namespace {

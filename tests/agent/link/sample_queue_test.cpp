@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/link/sample_queue.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <vector>
+#include "tests/support/test.h"
 
 namespace kerf::agent::sample_queue_test {
 namespace {

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/link/server_link.h"
 
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <chrono>
-#include <mutex>
 #include <nlohmann/json.hpp>
-#include <thread>
-#include <vector>
 
 #include "tests/agent/link/fake_server.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::server_link_test {
 namespace {

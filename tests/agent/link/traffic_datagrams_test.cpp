@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which frames use which transport, with a simulated clock and network.
-#include <gtest/gtest.h>
-
-#include <array>
-#include <optional>
-#include <vector>
-
 #include "haptic_agent/link/control_message.h"
 #include "haptic_agent/link/traffic.h"
 #include "server/datagram/layout.h"
 #include "server/wire/codec.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::traffic_datagrams_test {
 namespace {

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
 #include "haptic_agent/link/control_message.h"
 #include "haptic_agent/link/traffic.h"
 #include "tests/agent/link/fake_server.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::traffic_reach_test {
 namespace {

@@ -2,19 +2,6 @@
 // Over any network each sample is applied once, in order, and each motion at its position. The
 // agent's Traffic and the server's AgentConversation run on a simulated network and a simulated
 // clock.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cstdio>
-#include <map>
-#include <memory>
-#include <random>
-#include <span>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "haptic_agent/link/traffic.h"
 #include "server/conversation/agent_conversation.h"
 #include "server/datagram/layout.h"
@@ -22,6 +9,7 @@
 #include "server/store/journal_reader.h"
 #include "server/wire/codec.h"
 #include "tests/server/session_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::transport_property_test {
 namespace {

@@ -1,22 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The real link against the real server, in one process: carving over a faulty line gives the same
 // block as over a good one, bit for bit.
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <cmath>
-#include <future>
-#include <mutex>
-#include <string>
-#include <thread>
-#include <vector>
-
 #include "haptic_agent/link/server_link.h"
 #include "server/server.h"
 #include "server/threads/run_and_wait.h"
 #include "tests/agent/link/lossy_line.h"
 #include "tests/support/eventually.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::udp_carve_test {
 namespace {

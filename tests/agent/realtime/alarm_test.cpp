@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/realtime/alarm.h"
 
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include <thread>
-
 #include "haptic_agent/realtime/clock.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::alarm_test {
 namespace {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/realtime/follow_cpu.h"
 
-#include <gtest/gtest.h>
 #include <pthread.h>
 
-#include <thread>
+#include "tests/support/test.h"
 
 namespace kerf::agent::follow_cpu_test {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/realtime/histogram.h"
 
-#include <gtest/gtest.h>
+#include "tests/support/test.h"
 
 namespace kerf::agent::histogram_test {
 namespace {

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/realtime/latest_value.h"
 
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <cstdint>
-#include <thread>
-
 #include "haptic_agent/servo/sample_ring.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::latest_value_test {
 namespace {

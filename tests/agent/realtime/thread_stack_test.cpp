@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
 #include <pthread.h>
 
-#include <thread>
-
 #include "haptic_agent/realtime/realtime_thread.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::thread_stack_test {
 namespace {

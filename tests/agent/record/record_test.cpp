@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <sstream>
 
 #include "haptic_agent/device/path_cursor.h"
 #include "haptic_agent/guides/guide_model.h"
@@ -20,6 +14,7 @@
 #include "server/store/zstd_pack.h"
 #include "server/wire/types.h"
 #include "tests/support/eventually.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::record_test {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/replica/agreement.h"
 
-#include <gtest/gtest.h>
+#include "tests/support/test.h"
 
 namespace kerf::agent::agreement_test {
 namespace {

@@ -3,16 +3,11 @@
 // cuts.
 #include "haptic_agent/replica/other_tool.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <thread>
-#include <vector>
-
 #include "haptic_agent/replica/replica_thread.h"
 #include "kernel/dexel/dexel_field.h"
 #include "server/wire/codec.h"
 #include "tests/agent/replica/intent_side.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::other_tool_test {
 namespace {

@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A page that carves, undoes and redoes, against the session: it displays changes at once, and its
 // copy of the block equals the session's to the bit.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <deque>
-#include <random>
-#include <string>
-#include <variant>
-#include <vector>
-
 #include "kernel/dexel/tile_region.h"
 #include "server/wire/codec.h"
 #include "tests/server/undo_fixture.h"
+#include "tests/support/test.h"
 #include "web/wasm/page_block.h"
 
 namespace kerf::page_strokes_test {

@@ -3,15 +3,10 @@
 
 #include "haptic_agent/replica/replica.h"
 
-#include <gtest/gtest.h>
-
-#include <chrono>
-#include <deque>
-#include <thread>
-
 #include "kernel/dexel/dexel_field.h"
 #include "tests/agent/replica/equal_near.h"
 #include "tests/server/session_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::replica_test {
 namespace {

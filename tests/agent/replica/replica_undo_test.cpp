@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The agent's replica of a block to which stock comes back, against the session.
-#include <gtest/gtest.h>
-
-#include <deque>
-#include <random>
-#include <vector>
-
 #include "haptic_agent/replica/replica.h"
 #include "kernel/dexel/dexel_field.h"
 #include "tests/agent/replica/equal_near.h"
 #include "tests/server/undo_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::replica_undo_test {
 namespace {

@@ -2,17 +2,9 @@
 // The servo thread never allocates, because an allocation may wait for the lock of another thread.
 // The global operators new and delete of this program count the calls of a thread on request.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <memory>
-#include <new>
-#include <vector>
-
 #include "haptic_agent/guides/guide_model.h"
 #include "haptic_agent/servo/servo_cycle.h"
+#include "tests/support/test.h"
 
 namespace {
 

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Devices without a cutting button, and requests to re-arm, in the servo's tick.
-#include <gtest/gtest.h>
-
-#include <optional>
-
 #include "haptic_agent/servo/servo_cycle.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::buttons_test {
 namespace {

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/servo/contact_limits.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <numbers>
-#include <vector>
-
 #include "tests/agent/servo/late_spring.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::contact_limits_test {
 namespace {

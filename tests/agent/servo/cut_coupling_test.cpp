@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/servo/cut_coupling.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
+#include "tests/support/test.h"
 
 namespace kerf::agent::cut_coupling_test {
 namespace {

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/servo/felt.h"
 
-#include <gtest/gtest.h>
-
-#include <limits>
-
 #include "haptic_agent/servo/servo_cycle.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::felt_test {
 namespace {

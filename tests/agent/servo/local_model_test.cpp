@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/servo/local_model.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <numbers>
-#include <vector>
+#include "tests/support/test.h"
 
 namespace kerf::agent::local_model_test {
 namespace {

@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The servo behind a mapping: its limits and the bound of its energy are those of the hand.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <optional>
-#include <random>
-
 #include "haptic_agent/servo/servo_cycle.h"
 #include "tests/agent/stability/plant.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::mapped_servo_test {
 namespace {

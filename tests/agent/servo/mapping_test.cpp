@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <random>
-
 #include "haptic_agent/servo/mapping/block_settings.h"
 #include "haptic_agent/servo/mapping/hand_mapping.h"
 #include "haptic_agent/servo/servo_cycle.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::mapping_test {
 namespace {

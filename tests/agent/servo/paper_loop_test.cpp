@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/servo/paper_loop.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "haptic_agent/servo/servo_cycle.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::paper_loop_test {
 namespace {

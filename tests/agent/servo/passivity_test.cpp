@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/servo/passivity.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <string>
-
 #include "tests/agent/servo/adversary.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::passivity_test {
 namespace {

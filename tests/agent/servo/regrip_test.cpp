@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/regrip.h"
 
-#include <gtest/gtest.h>
-
 #include "haptic_agent/device/simulated_hand.h"
 #include "haptic_agent/servo/servo_cycle.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::regrip_test {
 namespace {

@@ -1,14 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <chrono>
-#include <limits>
-#include <memory>
-#include <thread>
-
 #include "haptic_agent/servo/servo_cycle.h"
 #include "haptic_agent/servo/watchdog.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::safety_test {
 namespace {

@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <functional>
-#include <limits>
-#include <vector>
-
 #include "haptic_agent/servo/servo_cycle.h"
 #include "haptic_agent/servo/servo_loop.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::servo_test {
 namespace {

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <random>
-
 #include "haptic_agent/servo/silence_decay.h"
 #include "haptic_agent/servo/wrench_interpolator.h"
 #include "haptic_agent/servo/wrench_limiter.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::wrench_test {
 namespace {

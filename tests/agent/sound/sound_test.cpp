@@ -1,21 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <complex>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <numbers>
-#include <string>
-#include <thread>
-#include <vector>
 
 #include "haptic_agent/sound/sound_player.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::sound_test {
 namespace {

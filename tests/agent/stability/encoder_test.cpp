@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cuts that are felt through encoders, and strokes that begin and end.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "tests/agent/stability/encoder_cut.h"
 #include "tests/agent/stability/stroke_cut.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::encoder_test {
 namespace {

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "tests/agent/stability/experiments.h"
 #include "tests/agent/stability/face_rest.h"
 #include "tests/agent/stability/held_cut.h"
 #include "tests/agent/stability/shipped_scenes.h"
 #include "tests/agent/stability/surround.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::stability_test {
 namespace {

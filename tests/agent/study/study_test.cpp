@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/study/study.h"
 
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <chrono>
-#include <cmath>
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <thread>
-#include <vector>
 
 #include "tests/support/eventually.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent::study_test {
 namespace {

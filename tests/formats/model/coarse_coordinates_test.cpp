@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
 #include <unistd.h>
-
-#include <filesystem>
 
 #include "server/formats/model/model_writer.h"
 #include "tests/support/carvings.h"
+#include "tests/support/test.h"
 
 namespace kerf::coarse_coordinates_test {
 namespace {

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/model/edge_collapse.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-
 #include "kernel/math/nearest_on_triangle.h"
 #include "server/formats/model/mesh_crossings.h"
 #include "tests/formats/model/carved_mesh.h"
+#include "tests/support/test.h"
 
 namespace kerf::edge_collapse_test {
 namespace {

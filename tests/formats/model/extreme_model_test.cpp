@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every writer and the simplification, on blocks of extreme proportions.
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "server/formats/model/model_writer.h"
 #include "server/formats/model/simplify_mesh.h"
 #include "tests/support/extreme_block.h"
 #include "tests/support/model_files.h"
+#include "tests/support/test.h"
 
 namespace kerf::extreme_model_test {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/model/fitting_model.h"
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "kernel/dexel/mesh_stock.h"
 #include "server/formats/model/mesh_reader.h"
 #include "tests/formats/model/carved_mesh.h"
 #include "tests/support/model_files.h"
+#include "tests/support/test.h"
 
 namespace kerf::fitting_model_test {
 namespace {

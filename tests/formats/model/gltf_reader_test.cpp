@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <meshoptimizer.h>
 
-#include <cstring>
-
 #include "server/formats/model/mesh_reader.h"
+#include "tests/support/test.h"
 
 namespace kerf::gltf_reader_test {
 namespace {

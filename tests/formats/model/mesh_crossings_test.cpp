@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/model/mesh_crossings.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "server/formats/model/triangle_pair.h"
 #include "tests/support/exact_sign.h"
+#include "tests/support/test.h"
 
 namespace kerf::mesh_crossings_test {
 namespace {

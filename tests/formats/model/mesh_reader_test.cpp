@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/model/mesh_reader.h"
 
-#include <gtest/gtest.h>
 #include <unistd.h>
-
-#include <random>
-#include <sstream>
 
 #include "kernel/dexel/mesh_stock.h"
 #include "server/formats/model/model_writer.h"
 #include "tests/support/carvings.h"
 #include "tests/support/model_files.h"
+#include "tests/support/test.h"
 
 namespace kerf::mesh_reader_test {
 namespace {

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/model/model_writer.h"
 
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <tiny_gltf.h>
 #include <unistd.h>
 
 #include <csignal>
-#include <cstdlib>
-#include <cstring>
 
 #include "server/formats/model/vertex_welder.h"
 #include "tests/support/carvings.h"
 #include "tests/support/model_files.h"
+#include "tests/support/test.h"
 #include "tests/support/thread_workers.h"
 
 namespace kerf::model_writer_test {

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/model/repair_mesh.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <numbers>
-#include <random>
-
 #include "kernel/dexel/mesh_stock.h"
 #include "kernel/sculpture.h"
 #include "server/formats/model/mesh_placement.h"
+#include "tests/support/test.h"
 
 namespace kerf::repair_mesh_test {
 namespace {

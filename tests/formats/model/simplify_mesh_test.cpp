@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/model/simplify_mesh.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
-
 #include "server/formats/model/mesh_distance.h"
 #include "tests/formats/model/carved_mesh.h"
 #include "tests/support/self_intersection.h"
+#include "tests/support/test.h"
 
 namespace kerf::simplify_mesh_test {
 namespace {

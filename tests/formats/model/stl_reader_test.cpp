@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/model/stl_reader.h"
 
-#include <gtest/gtest.h>
 #include <unistd.h>
-
-#include <algorithm>
-#include <bit>
-#include <cstring>
-#include <fstream>
-#include <limits>
 
 #include "server/formats/model/model_writer.h"
 #include "tests/support/carvings.h"
+#include "tests/support/test.h"
 
 namespace kerf::stl_reader_test {
 namespace {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "server/formats/model/mesh_reader.h"
+#include "tests/support/test.h"
 #include "tests/support/zip_files.h"
 
 namespace kerf::threemf_reader_test {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // 3MF files, read by the consortium's own library in its strict mode.
 #include <Model/COM/NMR_DLLInterfaces.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "server/formats/model/model_writer.h"
 #include "tests/support/carvings.h"
 #include "tests/support/model_files.h"
+#include "tests/support/test.h"
 
 namespace kerf::threemf_test {
 namespace {

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/cut/block_places.h"
 
-#include <gtest/gtest.h>
-
-#include <limits>
-#include <vector>
+#include "tests/support/test.h"
 
 namespace kerf::block_places_test {
 namespace {

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/cut/cut.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::cut_test {
 namespace {

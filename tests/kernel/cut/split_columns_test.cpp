@@ -1,17 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Columns of many elements against a brute-force model: a motion removes from a column the interval
 // that it removes from that column of the whole block, minus the parts that are already gone.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <random>
-#include <span>
-#include <utility>
-#include <vector>
-
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::split_columns_test {
 namespace {

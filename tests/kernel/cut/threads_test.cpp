@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Long motions on several threads give the same bytes as on one.
 
-#include <gtest/gtest.h>
-
-#include <string>
-#include <vector>
-
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 #include "tests/support/thread_workers.h"
 
 namespace kerf::threads_test {

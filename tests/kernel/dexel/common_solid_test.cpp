@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/dexel/common_solid.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <random>
-
 #include "kernel/dexel/dexel_tile.h"
+#include "tests/support/test.h"
 
 namespace kerf::common_solid_test {
 namespace {

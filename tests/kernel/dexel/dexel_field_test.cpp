@@ -4,13 +4,8 @@
 
 #include "kernel/dexel/dexel_field.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <optional>
-
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::dexel_field_test {
 namespace {

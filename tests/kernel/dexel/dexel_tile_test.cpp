@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/dexel/dexel_tile.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <map>
-#include <random>
+#include "tests/support/test.h"
 
 namespace kerf::dexel_tile_test {
 namespace {

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Normals of stock that another copy of the block has cut are estimated from depths alone.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/dexel_tile.h"
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::estimated_normals_test {
 namespace {

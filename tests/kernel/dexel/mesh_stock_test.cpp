@@ -1,16 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/dexel/mesh_stock.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <random>
-
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::mesh_stock_test {
 namespace {

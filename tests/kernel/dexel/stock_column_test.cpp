@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/dexel/stock_column.h"
 
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-
 #include "kernel/dexel/column_shares.h"
 #include "kernel/dexel/dexel_tile.h"
+#include "tests/support/test.h"
 
 namespace kerf::stock_column_test {
 namespace {

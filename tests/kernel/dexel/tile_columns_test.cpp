@@ -3,14 +3,11 @@
 
 #include "kernel/dexel/tile_columns.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
-
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/tile_region.h"
 #include "kernel/sculpture.h"
 #include "kernel/tool/tool_bounds.h"
+#include "tests/support/test.h"
 
 namespace kerf::tile_columns_test {
 namespace {

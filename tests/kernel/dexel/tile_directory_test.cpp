@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/dexel/tile_directory.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <vector>
-
 #include "kernel/dexel/dexel_tile.h"
+#include "tests/support/test.h"
 
 namespace kerf::tile_directory_test {
 namespace {

@@ -2,17 +2,10 @@
 // Compares the three fields of a tri-dexel block with each other and with the true motion. One ray
 // of each field passes through every point of a lattice, and there all three must agree.
 
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "kernel/sculpture.h"
 #include "tests/support/standard_job.h"
 #include "tests/support/swept_oracle.h"
+#include "tests/support/test.h"
 
 namespace kerf::tri_dexel_property_test {
 namespace {

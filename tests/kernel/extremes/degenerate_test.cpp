@@ -2,14 +2,8 @@
 // Motions and poses at which a formula divides by zero, two surfaces coincide, or a case
 // distinction has no case. Each is compared with an exact value or with the true sweep.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <random>
-
 #include "tests/kernel/extremes/carving.h"
+#include "tests/support/test.h"
 
 namespace kerf::test::degenerate_test {
 namespace {

@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The guarantee of the tight model: for any motion, no end point errs by more than the tolerance.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <random>
-#include <variant>
-
 #include "tests/kernel/extremes/carving.h"
+#include "tests/support/test.h"
 
 namespace kerf::test::five_axis_test {
 namespace {

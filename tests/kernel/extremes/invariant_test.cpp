@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Invariants of any motions in any order: seeded random motions, every tool, one field and three.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "tests/kernel/extremes/carving.h"
+#include "tests/support/test.h"
 
 namespace kerf::test::invariant_test {
 namespace {

@@ -2,13 +2,8 @@
 // From micrometers to ten meters: pitches, blocks, offsets, tools, travels, turns and cones at both
 // ends of their ranges, each compared with the true sweep.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numbers>
-
 #include "tests/kernel/extremes/carving.h"
+#include "tests/support/test.h"
 
 namespace kerf::test::range_test {
 namespace {

@@ -2,13 +2,8 @@
 // Invalid numbers: NaN, infinities, denormals, values out of range. Each is rejected with a typed
 // error and leaves the state unchanged, bit for bit.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <vector>
-
 #include "tests/kernel/extremes/carving.h"
+#include "tests/support/test.h"
 
 namespace kerf::test::rejection_test {
 namespace {

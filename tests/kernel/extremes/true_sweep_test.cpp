@@ -3,11 +3,8 @@
 
 #include "tests/kernel/extremes/true_sweep.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "tests/kernel/extremes/carving.h"
+#include "tests/support/test.h"
 
 namespace kerf::test::true_sweep_test {
 namespace {

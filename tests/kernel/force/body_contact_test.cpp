@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/force/body_contact.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <vector>
+#include "tests/support/test.h"
 
 namespace kerf::body_contact_test {
 namespace {

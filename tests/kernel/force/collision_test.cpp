@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/force/collision.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "kernel/force/signed_distance.h"
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::collision_test {
 namespace {

@@ -3,15 +3,8 @@
 // at any tick rate and pitch; the force is continuous between kinds of motion; and exactly the cut
 // volume is delivered. The bounds are generous; force_bench prints the figures.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <random>
-#include <vector>
-
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::constant_engagement_test {
 namespace {

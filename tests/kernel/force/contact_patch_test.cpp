@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/force/contact_patch.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::contact_patch_test {
 namespace {

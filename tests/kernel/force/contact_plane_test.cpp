@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/force/contact_plane.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <functional>
-#include <limits>
-#include <vector>
-
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::contact_plane_test {
 namespace {

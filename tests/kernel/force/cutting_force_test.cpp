@@ -3,14 +3,9 @@
 
 #include "kernel/force/cutting_force.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "kernel/sculpture.h"
 #include "tests/support/swivel.h"
+#include "tests/support/test.h"
 
 namespace kerf::cutting_force_test {
 namespace {

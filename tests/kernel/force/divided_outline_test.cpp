@@ -1,18 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The collision wrench of a tool does not depend on how its outline is divided into sections.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <numbers>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/force/collision.h"
 #include "kernel/force/stock_contact.h"
+#include "tests/support/test.h"
 
 namespace kerf::divided_outline_test {
 namespace {

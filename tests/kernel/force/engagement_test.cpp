@@ -4,13 +4,8 @@
 
 #include "kernel/force/engagement.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-
 #include "kernel/force/travel_queue.h"
+#include "tests/support/test.h"
 
 namespace kerf::engagement_test {
 namespace {

@@ -4,17 +4,9 @@
 
 #include "kernel/cut/imprint.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "kernel/sculpture.h"
 #include "tests/kernel/extremes/carving.h"
+#include "tests/support/test.h"
 #include "tests/support/thread_workers.h"
 
 namespace kerf::imprint_test {

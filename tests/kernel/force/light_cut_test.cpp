@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "kernel/force/ripple.h"
 #include "tests/support/side_cut.h"
+#include "tests/support/test.h"
 
 namespace kerf::light_cut_test {
 namespace {

@@ -2,13 +2,9 @@
 // Where and when the tool of the mechanistic law touches the elements that it cut: light cuts, long
 // motions and the phase of the spindle.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <vector>
-
 #include "kernel/force/milling_elements.h"
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::milling_contact_test {
 namespace {

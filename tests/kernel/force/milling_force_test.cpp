@@ -6,17 +6,10 @@
 
 #include "kernel/force/milling_force.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string_view>
-#include <utility>
-#include <vector>
-
 #include "kernel/force/cutting_force.h"
 #include "kernel/force/milling_presets.h"
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::milling_force_test {
 namespace {

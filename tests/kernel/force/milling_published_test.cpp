@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The mechanistic law compared with published recordings (published_slots.h).
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <string>
-
 #include "tests/kernel/force/published_slots.h"
+#include "tests/support/test.h"
 
 namespace kerf::milling_published_test {
 namespace {

@@ -2,12 +2,8 @@
 // The mechanistic law sums a sample of the elements of a large tick. The sample's position relative
 // to the elements changes from tick to tick, which must not be felt in a steady cut.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::milling_sample_test {
 namespace {

@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The force of a tool that changes direction within the stock, with and without a stop: force
 // pending from the old direction must not add up with that of the new one.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <random>
-#include <vector>
-
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::new_direction_test {
 namespace {

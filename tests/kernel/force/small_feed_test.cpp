@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The mechanistic law at feeds of 0.1 to 3 µm per tooth, as in micro-milling and with dental burs.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <span>
-#include <vector>
-
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::small_feed_test {
 namespace {

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/force/stock_contact.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-#include <vector>
-
 #include "kernel/math/rotation.h"
 #include "kernel/sculpture.h"
 #include "tests/support/swept_oracle.h"
+#include "tests/support/test.h"
 
 namespace kerf::stock_contact_test {
 namespace {

@@ -3,14 +3,8 @@
 
 #include "kernel/force/surface_weight.h"
 
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <numbers>
-#include <random>
-
 #include "kernel/math/ray_axis.h"
+#include "tests/support/test.h"
 
 namespace kerf::surface_weight_test {
 namespace {

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/force/triangle_tree.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <random>
-
 #include "kernel/math/nearest_on_triangle.h"
+#include "tests/support/test.h"
 
 namespace kerf::triangle_tree_test {
 namespace {

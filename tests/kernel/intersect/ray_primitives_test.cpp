@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "kernel/intersect/ray_capsule.h"
 #include "kernel/intersect/ray_parallelogram.h"
 #include "kernel/intersect/ray_pipe.h"
+#include "tests/support/test.h"
 
 namespace kerf::ray_primitives_test {
 namespace {

@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/math/int_lanes.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cstdint>
-#include <limits>
-#include <random>
+#include "tests/support/test.h"
 
 namespace kerf::int_lanes_test {
 namespace {

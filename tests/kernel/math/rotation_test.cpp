@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/math/rotation.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <random>
+#include "tests/support/test.h"
 
 namespace kerf::rotation_test {
 namespace {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/piece/ball.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/kernel/piece/piece_support.h"
+#include "tests/support/test.h"
 
 namespace kerf::ball_test {
 namespace {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/piece/tool_piece.h"
 
-#include <gtest/gtest.h>
-
 #include "kernel/math/rotation.h"
 #include "kernel/piece/bounds.h"
 #include "tests/kernel/piece/piece_support.h"
+#include "tests/support/test.h"
 
 namespace kerf::tool_piece_test {
 namespace {

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <numbers>
-#include <random>
-
 #include "kernel/cut/lazy_normals.h"
 #include "kernel/dexel/normal_code.h"
 #include "kernel/math/rotation.h"
 #include "tests/kernel/extremes/carving.h"
 #include "tests/kernel/extremes/true_sweep.h"
+#include "tests/support/test.h"
 
 namespace kerf::end_normals_test {
 namespace {

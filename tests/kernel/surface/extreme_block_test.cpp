@@ -4,10 +4,9 @@
 
 #include "tests/support/extreme_block.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/support/carvings.h"
 #include "tests/support/mesh_check.h"
+#include "tests/support/test.h"
 
 namespace kerf::extreme_block_test {
 namespace {

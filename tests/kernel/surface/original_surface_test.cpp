@@ -1,17 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which parts of a tile's surface belong to the untouched stock.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <functional>
-#include <memory>
-#include <vector>
-
 #include "kernel/tool/tool_shape.h"
 #include "tests/support/carvings.h"
 #include "tests/support/mesh_check.h"
+#include "tests/support/test.h"
 
 namespace kerf::original_surface_test {
 namespace {

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "tests/kernel/extremes/random_carving.h"
 #include "tests/support/mesh_check.h"
+#include "tests/support/test.h"
 
 namespace kerf::random_surface_test {
 namespace {

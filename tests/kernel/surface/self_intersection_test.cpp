@@ -3,8 +3,6 @@
 
 #include "tests/support/self_intersection.h"
 
-#include <gtest/gtest.h>
-
 #include "kernel/surface/quad_split.h"
 #include "kernel/surface/solid_surface.h"
 #include "tests/kernel/extremes/random_carving.h"
@@ -12,6 +10,7 @@
 #include "tests/support/exact_sign.h"
 #include "tests/support/mesh_check.h"
 #include "tests/support/standard_job.h"
+#include "tests/support/test.h"
 
 namespace kerf::self_intersection_test {
 namespace {

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <numbers>
-
 #include "tests/support/mesh_check.h"
 #include "tests/support/standard_job.h"
+#include "tests/support/test.h"
 
 namespace kerf::sharp_surface_test {
 namespace {

@@ -4,11 +4,10 @@
 
 #include "kernel/surface/solid_surface.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/support/carvings.h"
 #include "tests/support/extreme_block.h"
 #include "tests/support/mesh_check.h"
+#include "tests/support/test.h"
 
 namespace kerf::solid_surface_test {
 namespace {

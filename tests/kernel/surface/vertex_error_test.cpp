@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vertices stay near the true surface although the mesh does not intersect itself.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <string>
-#include <vector>
-
 #include "tests/kernel/extremes/random_carving.h"
 #include "tests/support/self_intersection.h"
+#include "tests/support/test.h"
 
 namespace kerf::vertex_error_test {
 namespace {

@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-
 #include "kernel/sweep/piece_side.h"
+#include "tests/support/test.h"
 
 namespace kerf::arc_side_test {
 namespace {

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/sweep/arc_translation.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-
 #include "kernel/sweep/frustum_translation.h"
+#include "tests/support/test.h"
 
 namespace kerf::arc_translation_test {
 namespace {

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/sweep/column_block.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <random>
-#include <utility>
-#include <vector>
+#include "tests/support/test.h"
 
 namespace kerf::column_block_test {
 namespace {

@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/sweep/level_bound.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <random>
-#include <vector>
-
 #include "kernel/cut/swept_block.h"
 #include "kernel/math/tolerance.h"
 #include "kernel/sculpture.h"
 #include "kernel/sweep/swept_tool.h"
+#include "tests/support/test.h"
 
 namespace kerf::level_bound_test {
 namespace {

@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rays that a moving slice hits late, leaves or hits again, and the cost of evaluating them.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <random>
-#include <string>
-#include <variant>
-
 #include "kernel/cut/swept_block.h"
 #include "kernel/sweep/swept_tool.h"
 #include "kernel/tool/tool.h"
+#include "tests/support/test.h"
 
 namespace kerf::met_again_test {
 namespace {

@@ -3,9 +3,7 @@
 
 #include "tests/kernel/sweep/missed_depth.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
+#include "tests/support/test.h"
 
 namespace kerf::test::missed_depth_test {
 namespace {

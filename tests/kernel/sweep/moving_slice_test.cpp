@@ -1,15 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/sweep/moving_slice.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <random>
-#include <string>
-#include <utility>
-#include <vector>
+#include "tests/support/test.h"
 
 namespace kerf::moving_slice_test {
 namespace {

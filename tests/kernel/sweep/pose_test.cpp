@@ -2,22 +2,13 @@
 // The interval that a pose removes from a ray depends on the tool, the pose and the ray alone, to
 // the last bit of the heights before they are rounded (kernel/sweep/README.md, "A pose").
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <random>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "kernel/cut/swept_block.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/math/rotation.h"
 #include "kernel/sculpture_motion.h"
 #include "kernel/sweep/slice_meeting.h"
 #include "kernel/sweep/swept_tool.h"
+#include "tests/support/test.h"
 
 namespace kerf::pose_test {
 namespace {

@@ -2,14 +2,9 @@
 // Compares the sweeps with the true motion, by an oracle that shares no code with them: random
 // poses, every tool, both models.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-#include <string>
-
 #include "kernel/sculpture.h"
 #include "tests/support/swept_oracle.h"
+#include "tests/support/test.h"
 
 namespace kerf::sweep_property_test {
 namespace {

@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/sweep/tool_above.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <random>
-#include <vector>
-
 #include "kernel/sweep/moving_slice.h"
+#include "tests/support/test.h"
 
 namespace kerf::tool_above_test {
 namespace {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/sweep/tool_motion.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include "tests/support/test.h"
 
 namespace kerf::tool_motion_test {
 namespace {

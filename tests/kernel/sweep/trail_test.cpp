@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/sweep/trail.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "kernel/cut/swept_block.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/sculpture.h"
 #include "kernel/sculpture_motion.h"
 #include "kernel/sweep/swept_tool.h"
+#include "tests/support/test.h"
 
 namespace kerf::trail_test {
 namespace {

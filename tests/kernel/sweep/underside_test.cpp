@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/sweep/underside.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <random>
-#include <string>
-
 #include "kernel/sweep/tool_motion.h"
+#include "tests/support/test.h"
 
 namespace kerf::underside_test {
 namespace {

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/tool/convex_part.h"
 
-#include <gtest/gtest.h>
-
-#include <utility>
-#include <vector>
-
 #include "kernel/math/tolerance.h"
 #include "kernel/tool/tool.h"
+#include "tests/support/test.h"
 
 namespace kerf::convex_part_test {
 namespace {

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <random>
-#include <vector>
-
 #include "kernel/tool/tool.h"
+#include "tests/support/test.h"
 #include "tests/support/tool_profile.h"
 
 namespace kerf::profile_shape_test {

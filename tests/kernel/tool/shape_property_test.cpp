@@ -3,14 +3,9 @@
 // no code with the sweeps. Between head and neck part of a column may remain, so every solid
 // element and every gap is checked, not one range per column.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-#include <string>
-
 #include "kernel/sculpture.h"
 #include "tests/support/swept_oracle.h"
+#include "tests/support/test.h"
 
 namespace kerf::shape_property_test {
 namespace {

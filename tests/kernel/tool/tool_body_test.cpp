@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <vector>
-
 #include "kernel/tool/tool.h"
+#include "tests/support/test.h"
 
 namespace kerf::tool_body_test {
 namespace {

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::undercut_test {
 namespace {

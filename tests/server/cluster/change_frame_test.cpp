@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/cluster/change_frame.h"
 
-#include <gtest/gtest.h>
-
 #include "server/cluster/copies.h"
+#include "tests/support/test.h"
 
 namespace kerf::change_frame_test {
 namespace {

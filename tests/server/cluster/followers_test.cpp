@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/cluster/followers.h"
 
-#include <gtest/gtest.h>
-
-#include <memory>
-
 #include "server/platform/clock.h"
 #include "server/store/write_fence.h"
 #include "tests/server/cluster/nats_fixture.h"
 #include "tests/server/manual_executor.h"
 #include "tests/support/eventually.h"
+#include "tests/support/test.h"
 
 namespace kerf::followers_test {
 namespace {

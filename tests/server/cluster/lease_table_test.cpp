@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/cluster/lease_table.h"
 
-#include <gtest/gtest.h>
+#include "tests/support/test.h"
 
 namespace kerf::lease_table_test {
 namespace {

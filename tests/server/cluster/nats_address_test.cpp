@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/cluster/nats_address.h"
 
-#include <gtest/gtest.h>
+#include "tests/support/test.h"
 
 namespace kerf::nats_address_test {
 namespace {

@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/cluster/nats_connection.h"
 
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <chrono>
-#include <cstddef>
-#include <vector>
-
 #include "tests/server/cluster/nats_fixture.h"
 #include "tests/server/random_runs.h"
+#include "tests/support/test.h"
 
 namespace kerf::nats_connection_test {
 namespace {

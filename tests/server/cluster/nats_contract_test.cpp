@@ -1,20 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The properties of NATS that Kerf relies on. The same cases test the real nats-server and its
 // model in tests/sim (nats_under_test.h).
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <chrono>
-#include <cstddef>
-#include <mutex>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
-
 #include "server/cluster/nats_connection.h"
 #include "tests/server/cluster/nats_under_test.h"
 #include "tests/support/eventually.h"
+#include "tests/support/test.h"
 
 namespace kerf::nats_contract_test {
 namespace {

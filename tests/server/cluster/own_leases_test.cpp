@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/cluster/own_leases.h"
 
-#include <gtest/gtest.h>
-
-#include <chrono>
-#include <thread>
-
 #include "server/platform/clock.h"
 #include "tests/server/cluster/nats_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::own_leases_test {
 namespace {

@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/cluster/snapshot_copy.h"
 
-#include <gtest/gtest.h>
-
-#include <chrono>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-
 #include "server/cluster/change_frame.h"
 #include "server/cluster/copies.h"
 #include "server/cluster/journal_replica.h"
@@ -17,6 +10,7 @@
 #include "server/store/journal_reader.h"
 #include "server/store/journal_writer.h"
 #include "tests/server/cluster/nats_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::snapshot_copy_test {
 namespace {

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/cluster/takeover.h"
 
-#include <gtest/gtest.h>
-
 #include "server/cluster/change_frame.h"
 #include "server/store/attachment.h"
 #include "server/store/journal_change.h"
 #include "server/store/journal_file.h"
 #include "server/store/journal_writer.h"
 #include "tests/server/cluster/nats_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::takeover_test {
 namespace {

@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/history/block_history.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <functional>
-#include <stop_token>
-
 #include "server/history/journal_records.h"
 #include "tests/server/history/recorded_job.h"
+#include "tests/support/test.h"
 #include "tests/support/thread_workers.h"
 
 namespace kerf::block_history_test {

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/history/era_tiles.h"
 
-#include <gtest/gtest.h>
-
-#include <memory>
-
 #include "kernel/dexel/dexel_tile.h"
+#include "tests/support/test.h"
 
 namespace kerf::era_tiles_test {
 namespace {

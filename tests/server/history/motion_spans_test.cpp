@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/history/motion_spans.h"
 
-#include <gtest/gtest.h>
-
-#include <map>
-#include <random>
-#include <set>
+#include "tests/support/test.h"
 
 namespace kerf::motion_spans_test {
 namespace {

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/history/surface_maker.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <optional>
-#include <set>
-
 #include "server/history/block_history.h"
 #include "server/history/column_end.h"
 #include "server/history/journal_records.h"
 #include "tests/server/history/recorded_job.h"
+#include "tests/support/test.h"
 
 namespace kerf::surface_maker_test {
 namespace {

@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/picture/block_picture.h"
 
-#include <gtest/gtest.h>
 #include <png.h>
-
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <iterator>
-#include <optional>
-#include <utility>
 
 #include "kernel/sculpture.h"
 #include "server/picture/picture_camera.h"
 #include "server/picture/png_file.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::block_picture_test {
 namespace {

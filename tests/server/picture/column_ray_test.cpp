@@ -2,13 +2,8 @@
 // Rays through carved blocks, against analytic surfaces and against marching in small steps.
 #include "server/picture/column_ray.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <memory>
-#include <random>
-
 #include "kernel/sculpture.h"
+#include "tests/support/test.h"
 
 namespace kerf::column_ray_test {
 namespace {

@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/picture/picture_rod.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "kernel/sculpture.h"
 #include "server/picture/block_picture.h"
 #include "server/picture/picture_camera.h"
+#include "tests/support/test.h"
 
 namespace kerf::picture_rod_test {
 namespace {

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pictures over HTTP, and the cache behind them.
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "server/http/api.h"
 #include "server/http/picture_cache.h"
 #include "server/platform/clock.h"
 #include "tests/server/session_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::net::picture_route_test {
 namespace {

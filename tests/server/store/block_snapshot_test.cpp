@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/block_snapshot.h"
 
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <csignal>
-#include <fstream>
-#include <iterator>
-#include <random>
 
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/kernel_version.h"
 #include "kernel/sculpture.h"
 #include "server/store/chunk_file.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::block_snapshot_test {
 namespace {

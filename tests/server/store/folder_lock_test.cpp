@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/folder_lock.h"
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <filesystem>
-
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::folder_lock_test {
 namespace {

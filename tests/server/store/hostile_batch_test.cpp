@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Batches that no writer stores: their checksums are right but their contents are not.
-#include <gtest/gtest.h>
 #include <sqlite3.h>
-
-#include <bit>
-#include <cmath>
-#include <cstdio>
-#include <limits>
-#include <string>
-#include <vector>
 
 #include "server/store/journal_reader.h"
 #include "server/store/journal_writer.h"
 #include "server/store/record_batch.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::hostile_batch_test {
 namespace {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/journal_branch.h"
 
-#include <gtest/gtest.h>
-
 #include "server/store/journal_file.h"
 #include "server/store/journal_reader.h"
 #include "server/store/journal_writer.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::journal_branch_test {
 namespace {

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/journal_change.h"
 
-#include <gtest/gtest.h>
-
-#include <set>
-
 #include "server/store/attachment.h"
 #include "server/store/journal_file.h"
 #include "server/store/journal_reader.h"
 #include "server/store/journal_tables.h"
 #include "server/store/journal_writer.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::journal_change_test {
 namespace {

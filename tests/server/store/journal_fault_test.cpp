@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The journal on a disk that is full, fails to write, writes partially or fails to sync.
-#include <gtest/gtest.h>
-
-#include <condition_variable>
-#include <mutex>
-#include <random>
-#include <thread>
-
 #include "server/store/journal_reader.h"
 #include "server/store/journal_writer.h"
 #include "tests/server/store/faulty_disk.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::journal_fault_test {
 namespace {

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/page_check.h"
 
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <iterator>
-#include <string>
-
 #include "server/store/journal_file.h"
 #include "server/store/journal_tables.h"
 #include "server/store/journal_writer.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::page_check_test {
 namespace {

@@ -2,18 +2,11 @@
 // Batches of records, and journals of version 1.
 #include "server/store/record_batch.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <random>
-#include <utility>
-
 #include "server/store/journal_reader.h"
 #include "server/store/journal_writer.h"
 #include "tests/server/store/random_records.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::record_batch_test {
 namespace {

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/record_span.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "server/store/journal_origin.h"
+#include "tests/support/test.h"
 
 namespace kerf::record_span_test {
 namespace {

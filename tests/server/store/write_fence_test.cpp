@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/write_fence.h"
 
-#include <gtest/gtest.h>
-
-#include <memory>
-
 #include "server/platform/clock.h"
 #include "server/store/journal_file.h"
 #include "server/store/journal_writer.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::write_fence_test {
 namespace {

@@ -1,21 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/sim/os/scheduler.h"
 
-#include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <condition_variable>
-#include <cstdio>
-#include <functional>
-#include <future>
-#include <mutex>
-#include <string>
-#include <thread>
-#include <vector>
+#include "tests/support/test.h"
 
 namespace kerf::sim::scheduler_test {
 namespace {

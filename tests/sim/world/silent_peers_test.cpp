@@ -2,21 +2,17 @@
 // The server closes the connections of silent peers in time, by its virtual clock.
 #include <arpa/inet.h>
 #include <fcntl.h>
-#include <gtest/gtest.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <array>
-#include <fstream>
-#include <string>
 
 #include "server/log/log.h"
 #include "tests/sim/world/http_client.h"
 #include "tests/sim/world/scene.h"
 #include "tests/sim/world/server_machine.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::sim::silent_peers_test {
 namespace {

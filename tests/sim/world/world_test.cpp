@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/sim/world/world.h"
 
-#include <gtest/gtest.h>
-
-#include <utility>
-
 #include "tests/sim/world/process.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::sim::world_test {
 namespace {
