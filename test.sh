@@ -17,7 +17,8 @@ usage: ./test.sh [--preset release|dev|asan|tsan] [--filter REGEX] [--jobs N] [-
   --preset P      build preset (default: release); asan and tsan build with the sanitizers
   --filter REGEX  only the test programs whose name matches (ctest -R); the viewer's own tests if it matches "web"
   --jobs N        tests at a time (default: the number of cores); those that load the machine, and e2e tests, run alone
-  --long          also the slow tests (ctest -L long): more scripts in a browser, clang, more builds of the kernel
+  --long          also the slow tests (ctest -L long): more scripts in a browser, clang, more builds of the kernel;
+                  also builds the benches
 CI=true makes every compiler warning an error.
 TXT
 }
@@ -99,15 +100,16 @@ cpu_seconds() {
 note_cpu() { awk -v name="$1" -v now="$(cpu_seconds)" -v before="$2" 'BEGIN { print name, now - before }' >>"$RESULTS/cpu.txt"; }
 
 main() {
-  local begin
+  local begin targets=(web all)
   parse_options "$@"
+  if [ -n "$LONG" ]; then targets+=(benches); fi
   install_sections build test wasm run
   fetch_linuxcnc
   use_node
   RESULTS="$KERF_ROOT/build/$PRESET/results"
   rm -rf "$RESULTS" && mkdir -p "$RESULTS"
   begin=$(cpu_seconds)
-  build_all "$PRESET" -DKERF_TESTS=ON ${CI:+-DKERF_WERROR=ON} -- web all
+  build_all "$PRESET" -DKERF_TESTS=ON ${CI:+-DKERF_WERROR=ON} -- "${targets[@]}"
   note_cpu build "$begin"
   begin=$(cpu_seconds)
   export GTEST_OUTPUT="xml:$RESULTS/gtest/"
