@@ -47,10 +47,9 @@ TEST(MappingOptions, CommandLineIsParsedAndErrorsNameTheOption) {
             "--clutch: must be own, deadman, undo or redo");
   const char* words[] = {"kerf-agent", "--session", "demo", "--device", "sim", "--scale",
                          "auto",       "--gain",    "2",    "--turn",   "30"};
-  const auto read = read_options(std::size(words), words);
-  ASSERT_TRUE(read);
-  EXPECT_TRUE(read->mapping.choice.fits);
-  EXPECT_EQ(read->mapping.choice.gain, 2);
+  const auto read = test::value_of(read_options(std::size(words), words));
+  EXPECT_TRUE(read.mapping.choice.fits);
+  EXPECT_EQ(read.mapping.choice.gain, 2);
 }
 
 TEST(MappingOptions, MiddleOfTheWorkspaceStaysUnlessTheStockIsFitted) {

@@ -17,15 +17,15 @@ std::expected<Options, EarlyExit> read(std::vector<const char*> words) {
 }
 
 TEST(Options, ParsesACompleteCommandLine) {
-  const auto options = read({"--server", "http://127.0.0.1:9", "--session", "demo", "--device",
-                             "sim", "--name", "Ada", "--color", "#a0B1c2", "--tool", "2",
-                             "--duration", "1.5", "--loop", "--force-max", "3", "--udp"});
-  ASSERT_TRUE(options);
-  EXPECT_EQ(options->link.server, (ServerUrl{"127.0.0.1", "9"}));
-  EXPECT_EQ(options->link.hello.tool_id, 2U);
-  EXPECT_EQ(options->limits.force_n, 3.0);
-  EXPECT_TRUE(options->device_options.loop);
-  EXPECT_TRUE(options->link.hello.udp);
+  const auto options =
+      test::value_of(read({"--server", "http://127.0.0.1:9", "--session", "demo", "--device", "sim",
+                           "--name", "Ada", "--color", "#a0B1c2", "--tool", "2", "--duration",
+                           "1.5", "--loop", "--force-max", "3", "--udp"}));
+  EXPECT_EQ(options.link.server, (ServerUrl{"127.0.0.1", "9"}));
+  EXPECT_EQ(options.link.hello.tool_id, 2U);
+  EXPECT_EQ(options.limits.force_n, 3.0);
+  EXPECT_TRUE(options.device_options.loop);
+  EXPECT_TRUE(options.link.hello.udp);
 }
 
 TEST(Options, SoundHasADeviceIfRequested) {
@@ -40,11 +40,7 @@ TEST(Options, SoundHasADeviceIfRequested) {
   EXPECT_EQ(sound({"--sound", "hw:0"}), "hw:0");
 }
 
-TEST(Options, HelpIsNotAnError) {
-  const auto options = read({"--help"});
-  ASSERT_FALSE(options);
-  EXPECT_EQ(options.error().code, 0);
-}
+TEST(Options, HelpIsNotAnError) { EXPECT_EQ(test::error_of(read({"--help"})).code, 0); }
 
 TEST(Options, HelpListsTheModesByTheirNames) {
   testing::internal::CaptureStdout();
@@ -94,9 +90,9 @@ TEST(Options, ReplicaIsKeptUnlessDeclined) {
 }
 
 TEST(Options, LatencyIsInMilliseconds) {
-  const auto options = read({"--session", "demo", "--device", "usb", "--latency", "4.5"});
-  ASSERT_TRUE(options);
-  EXPECT_EQ(options->latency_us, 4500U);
+  const auto options =
+      test::value_of(read({"--session", "demo", "--device", "usb", "--latency", "4.5"}));
+  EXPECT_EQ(options.latency_us, 4500U);
   EXPECT_FALSE(read({"--session", "demo", "--device", "usb", "--latency", "21"}));
 }
 
@@ -118,9 +114,7 @@ TEST(Options, InvalidInputExitsWithTwo) {
       {"--session", "demo", "--device", "replay:/no/such/file.apt"},
       {"--session", "demo", "--device", "sim", "--nonsense"}};
   for (const auto& line : lines) {
-    const auto options = read(line);
-    ASSERT_FALSE(options);
-    EXPECT_EQ(options.error().code, 2);
+    EXPECT_EQ(test::error_of(read(line)).code, 2);
   }
 }
 
@@ -171,9 +165,8 @@ TEST(Options, ProfileRequiresASingleDevice) {
     words.insert(words.begin(), {"--session", "a", "--device", "sim", "--profile", file.c_str()});
     return read(std::move(words));
   };
-  const auto one = read_with({});
-  ASSERT_TRUE(one);
-  EXPECT_EQ(one->profile->device, "pen");
+  const auto one = test::value_of(read_with({}));
+  EXPECT_EQ(one.profile->device, "pen");
   testing::internal::CaptureStderr();
   EXPECT_FALSE(read_with({"--device", "usb"}));
   EXPECT_EQ(testing::internal::GetCapturedStderr(),
@@ -182,10 +175,9 @@ TEST(Options, ProfileRequiresASingleDevice) {
 }
 
 TEST(RunAgent, ExitsWithOneWhenTheServerCannotBeReached) {
-  auto options = read({"--server", "http://127.0.0.1:1", "--session", "demo", "--device", "sim",
-                       "--patience", "0"});
-  ASSERT_TRUE(options);
-  EXPECT_EQ(run_agent(*options), 1);
+  auto options = test::value_of(read({"--server", "http://127.0.0.1:1", "--session", "demo",
+                                      "--device", "sim", "--patience", "0"}));
+  EXPECT_EQ(run_agent(options), 1);
 }
 
 TEST(WrappedHelp, BreaksBetweenWordsAndKeepsTheLinesOfAList) {

@@ -22,20 +22,19 @@ class RecordingCommands : public testing::Test {
               testing::UnitTest::GetInstance()->current_test_info()->name();
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
-    auto recorder = Recorder::start(
+    auto recorder = test::value_of(Recorder::start(
         file("stroke.mcap"),
-        {{"stock_min_mm", "-30 -30 -20"}, {"stock_max_mm", "30 30 0"}, {"pivot_mm", "60"}}, "{}");
-    ASSERT_TRUE(recorder) << recorder.error();
+        {{"stock_min_mm", "-30 -30 -20"}, {"stock_max_mm", "30 30 0"}, {"pivot_mm", "60"}}, "{}"));
     for (std::uint64_t n = 0; n < 2000; ++n) {
-      (*recorder)->tape().push({.time_us = 1'000'000 + n * 1000,
-                                .tip_mm = {0.02 * static_cast<double>(n), 0, -2},
-                                .felt = {{-1, 0, 0}, {}},
-                                .buttons = wire::kButtonCutting | wire::kButtonDeadman,
-                                .tool_id = 1,
-                                .phase = ServoPhase::kActive,
-                                .has_pose = true});
+      recorder->tape().push({.time_us = 1'000'000 + n * 1000,
+                             .tip_mm = {0.02 * static_cast<double>(n), 0, -2},
+                             .felt = {{-1, 0, 0}, {}},
+                             .buttons = wire::kButtonCutting | wire::kButtonDeadman,
+                             .tool_id = 1,
+                             .phase = ServoPhase::kActive,
+                             .has_pose = true});
     }
-    (*recorder)->finish({});
+    recorder->finish({});
   }
   std::string file(const char* name) const { return (folder_ / name).string(); }
   int feel(std::vector<std::string> words) const {

@@ -25,9 +25,7 @@ AccuracyChoice choose(const AccuracyRequest& request, const AccuracyUse& use = u
 }
 
 AccuracyErrorCode rejection(const AccuracyRequest& request, const AccuracyUse& use = use_of()) {
-  const auto choice = choose_accuracy(request, use);
-  EXPECT_FALSE(choice.has_value());
-  return choice.error().code;
+  return test::error_of(choose_accuracy(request, use)).code;
 }
 
 AccuracyRequest target(double mm) { return {.target_mm = mm}; }
@@ -71,10 +69,9 @@ TEST(AccuracyChoice, GivenValuesMayUseTheWholeTarget) {
   const AccuracyRequest whole{.target_mm = 0.3, .pitch_mm = 0.3, .tolerance_mm = 0.03};
   EXPECT_EQ(choose(whole).accuracy, (Accuracy{Rays::kDexel, 0.3, 0.03, MotionModel::kTight}));
   // Without a tolerance, the pitch must leave it a part of the target.
-  const auto rejected =
-      choose_accuracy({.target_mm = 0.27, .rays = Rays::kDexel, .pitch_mm = 0.3}, use_of());
-  ASSERT_FALSE(rejected.has_value());
-  EXPECT_THAT(rejected.error().reason, HasSubstr("leaves nothing of the target of 0.27 mm"));
+  const auto error = test::error_of(
+      choose_accuracy({.target_mm = 0.27, .rays = Rays::kDexel, .pitch_mm = 0.3}, use_of()));
+  EXPECT_THAT(error.reason, HasSubstr("leaves nothing of the target of 0.27 mm"));
 }
 
 TEST(AccuracyChoice, AMissedTargetIsDistinguishedFromTheExpectedError) {
@@ -186,12 +183,11 @@ TEST(AccuracyChoice, UnreachableTargetIsRejectedWithItsCode) {
 TEST(AccuracyChoice, TargetNamedByMemoryErrorIsAccepted) {
   AccuracyUse use = use_of();
   use.stock = BoxStock{{0, 0, 0}, {10000, 10000, 100}};
-  const auto rejected = choose_accuracy(target(0.05), use);
-  ASSERT_FALSE(rejected.has_value());
+  const auto error = test::error_of(choose_accuracy(target(0.05), use));
   const std::string words = "allows a target of ";
-  const auto at = rejected.error().reason.find(words);
-  ASSERT_NE(at, std::string::npos) << rejected.error().reason;
-  const double allowed = std::stod(rejected.error().reason.substr(at + words.size()));
+  const auto at = error.reason.find(words);
+  ASSERT_NE(at, std::string::npos) << error.reason;
+  const double allowed = std::stod(error.reason.substr(at + words.size()));
   EXPECT_TRUE(choose_accuracy(target(1.1 * allowed), use).has_value()) << allowed;
 }
 
@@ -211,10 +207,9 @@ std::string scene_text(const std::string& accuracy) {
 }
 
 TEST(SceneTarget, IsResolvedByParseScene) {
-  const auto scene = parse_scene(scene_text(R"({"target_mm": 0.05})"), {});
-  ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
-  ASSERT_TRUE(scene->accuracy.has_value());
-  EXPECT_EQ(accuracy_of(*scene), choose(target(0.05)).accuracy);
+  const auto scene = test::value_of(parse_scene(scene_text(R"({"target_mm": 0.05})"), {}));
+  ASSERT_TRUE(scene.accuracy.has_value());
+  EXPECT_EQ(accuracy_of(scene), choose(target(0.05)).accuracy);
   EXPECT_FALSE(parse_scene(scene_text(R"({"pitch_mm": 1})"), {})->accuracy.has_value());
 }
 
@@ -222,21 +217,19 @@ TEST(SceneTarget, CanonicalTextKeepsTargetAndChoice) {
   const auto scene =
       parse_scene(scene_text(R"({"target_mm": 0.05, "tolerance_mm": 0.002})"), {}).value();
   const std::string text = scene_json(scene);
-  const auto again = parse_scene(text, {});
-  ASSERT_TRUE(again.has_value()) << to_string(again.error());
-  EXPECT_EQ(scene_json(*again), text);
-  EXPECT_EQ(accuracy_of(*again), accuracy_of(scene));
-  EXPECT_EQ(again->accuracy->request.target_mm, 0.05);
+  const auto again = test::value_of(parse_scene(text, {}));
+  EXPECT_EQ(scene_json(again), text);
+  EXPECT_EQ(accuracy_of(again), accuracy_of(scene));
+  EXPECT_EQ(again.accuracy->request.target_mm, 0.05);
 }
 
 TEST(SceneTarget, StoredValuesAreNotChosenAgain) {
   // Values that the current models would not choose.
-  const auto scene = parse_scene(
+  const auto scene = test::value_of(parse_scene(
       scene_text(
           R"({"target_mm": 0.05, "rays": "dexel", "pitch_mm": 3, "tolerance_mm": 1, "motion": "paper"})"),
-      {});
-  ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
-  EXPECT_EQ(accuracy_of(*scene), (Accuracy{Rays::kDexel, 3, 1, MotionModel::kPaper}));
+      {}));
+  EXPECT_EQ(accuracy_of(scene), (Accuracy{Rays::kDexel, 3, 1, MotionModel::kPaper}));
 }
 
 TEST(SceneTarget, InvalidTargetsAreRejectedWithTheirPath) {

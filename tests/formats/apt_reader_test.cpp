@@ -78,18 +78,17 @@ TEST(AptReader, StatementsWithoutMotionAreAccepted) {
 
 TEST(AptReader, CutterOfSevenNumbersIsComparedByItsAptDiameter) {
   // Bottom and side line of this taper meet at a diameter of 10 mm. Its top is 14 mm wide.
-  const auto scene = parse_scene(
+  const auto scene = test::value_of(parse_scene(
       R"({"stock": {"shape": "box", "min_mm": [0,0,-9], "max_mm": [9,9,0]},
           "tools": [{"id": 1, "shape": "apt", "d_mm": 10, "r_mm": 0, "e_mm": 5, "f_mm": 0,
                      "alpha_deg": 0, "beta_deg": 5.71059, "h_mm": 20}],
           "machine": {"kinematics": "tool-vector"}})",
-      {});
-  ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
+      {}));
   const std::string load = "LOADTL/1\nCUTTER/";
   EXPECT_THAT(
-      test::read(*scene, "p.apt", load + "10,0,5,0,0,5.71059,20\nGOTO/1,2,3\nFINI\n").warnings,
+      test::read(scene, "p.apt", load + "10,0,5,0,0,5.71059,20\nGOTO/1,2,3\nFINI\n").warnings,
       ElementsAre(HasSubstr("CUTS NOTHING")));
-  EXPECT_THAT(test::read(*scene, "p.apt", load + "14,0,7,0,0,0,20\nGOTO/1,2,3\nFINI\n").warnings,
+  EXPECT_THAT(test::read(scene, "p.apt", load + "14,0,7,0,0,0,20\nGOTO/1,2,3\nFINI\n").warnings,
               ElementsAre(HasSubstr("CUTS NOTHING"), HasSubstr("10 mm")));
 }
 

@@ -164,18 +164,16 @@ TEST(AptSystems, CutterMayPrecedeOrFollowItsToolLoad) {
   EXPECT_NEAR(std::get<AptShape>(stated.at(12).shape).d_mm, 25.4, 1e-9);
   EXPECT_NEAR(std::get<BallShape>(stated.at(7).shape).diameter_mm, 12.7, 1e-9);
   EXPECT_EQ(stated.at(12).line, 2u);
-  const auto facts = program_facts("p.aptsource", text);
-  ASSERT_TRUE(facts) << to_string(facts.error());
-  EXPECT_THAT(facts->tools, ElementsAre(7, 12));
-  const auto derived = derive_scene("p.aptsource", text, {}, {});
-  ASSERT_TRUE(derived) << derived.error();
-  EXPECT_THAT(derived->notes, Contains(HasSubstr("CUTTER in line 9")));
+  const auto facts = test::value_of(program_facts("p.aptsource", text));
+  EXPECT_THAT(facts.tools, ElementsAre(7, 12));
+  const auto derived = test::value_of(derive_scene("p.aptsource", text, {}, {}));
+  EXPECT_THAT(derived.notes, Contains(HasSubstr("CUTTER in line 9")));
 }
 
 TEST(AptSystems, IsRecognizedByItsStatementsUnderAnyName) {
-  const auto program = parse_program("p.txt", kHead + "GOTO/1,0,0\nFINI\n", scene_for("xyz"));
-  ASSERT_TRUE(program) << to_string(program.error());
-  EXPECT_EQ(program->read_as, "APT");
+  const auto program =
+      test::value_of(parse_program("p.txt", kHead + "GOTO/1,0,0\nFINI\n", scene_for("xyz")));
+  EXPECT_EQ(program.read_as, "APT");
   EXPECT_THAT(error_of(scene_for("xyz"), "p.apt", "hello\n").reason, HasSubstr("no statement"));
 }
 

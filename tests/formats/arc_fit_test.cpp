@@ -36,17 +36,15 @@ Program program_of(const std::vector<ToolPose>& path) {
 
 TEST(ArcFit, FindsCenterAndDirection) {
   for (const double to : {200.0, -70.0}) {
-    const auto arc = fit_arc(arc_path(10, 30, to, 40), 0.03);
-    ASSERT_TRUE(arc);
-    EXPECT_EQ(arc->plane, ArcPlane::kXy);
-    EXPECT_NEAR(arc->center.first, 1, 1e-4);
-    EXPECT_NEAR(arc->center.second, 2, 1e-4);
-    EXPECT_EQ(arc->counterclockwise, to > 30);
-    EXPECT_FALSE(arc->helical);
+    const auto arc = test::value_of(fit_arc(arc_path(10, 30, to, 40), 0.03));
+    EXPECT_EQ(arc.plane, ArcPlane::kXy);
+    EXPECT_NEAR(arc.center.first, 1, 1e-4);
+    EXPECT_NEAR(arc.center.second, 2, 1e-4);
+    EXPECT_EQ(arc.counterclockwise, to > 30);
+    EXPECT_FALSE(arc.helical);
   }
-  const auto helix = fit_arc(arc_path(10, 0, 200, 40, -3), 0.03);
-  ASSERT_TRUE(helix);
-  EXPECT_TRUE(helix->helical);
+  const auto helix = test::value_of(fit_arc(arc_path(10, 0, 200, 40, -3), 0.03));
+  EXPECT_TRUE(helix.helical);
 }
 
 TEST(ArcFit, RejectsOtherPaths) {

@@ -45,9 +45,9 @@ TEST(DialectChoice, IsDeterminedByWordsOfOneController) {
 }
 
 TEST(DialectChoice, KlartextWithoutItsReaderIsNamed) {
-  const auto klartext = choose_dialect("p.h", "0 BEGIN PGM A MM\n1 TOOL CALL 1 Z S1000\n");
-  ASSERT_FALSE(klartext.has_value());
-  EXPECT_THAT(to_string(klartext.error()), HasSubstr("HEIDENHAIN Klartext (line 1 has BEGIN PGM)"));
+  const auto error =
+      test::error_of(choose_dialect("p.h", "0 BEGIN PGM A MM\n1 TOOL CALL 1 Z S1000\n"));
+  EXPECT_THAT(to_string(error), HasSubstr("HEIDENHAIN Klartext (line 1 has BEGIN PGM)"));
 }
 
 TEST(DialectChoice, CommentsAndProgramNamesDoNotCount) {
@@ -67,13 +67,11 @@ TEST(DialectChoice, CommentsAndProgramNamesDoNotCount) {
 TEST(DialectChoice, ProgramRejectedByLinuxcncDefaultsToFanuc) {
   const Scene scene = test::scene_for("xyz");
   const std::string text = "G21 G90 T1 M6\nG0 X0 Y0 Z5\nG1 Z-1 F100 M131\nM30\n";
-  const auto program = parse_program("p.nc", text, scene);
-  ASSERT_TRUE(program.has_value()) << to_string(program.error());
-  EXPECT_THAT(program->warnings, Contains(HasSubstr("read as Fanuc")));
-  EXPECT_THAT(program->warnings, Contains(HasSubstr("M131 is taken as a code that moves nothing")));
-  const auto strict = parse_program("p.ngc", text, scene);
-  ASSERT_FALSE(strict.has_value());
-  EXPECT_THAT(to_string(strict.error()), HasSubstr("(read as LinuxCNC)"));
+  const auto program = test::value_of(parse_program("p.nc", text, scene));
+  EXPECT_THAT(program.warnings, Contains(HasSubstr("read as Fanuc")));
+  EXPECT_THAT(program.warnings, Contains(HasSubstr("M131 is taken as a code that moves nothing")));
+  const auto error = test::error_of(parse_program("p.ngc", text, scene));
+  EXPECT_THAT(to_string(error), HasSubstr("(read as LinuxCNC)"));
 }
 
 TEST(LinuxcncBlock, HasOneCodeOfAGroupAndClosedComments) {

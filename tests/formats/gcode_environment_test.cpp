@@ -15,14 +15,13 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 TEST(ToolTable, WordsMayBeInAnyOrderWithComments) {
-  const auto table = read_tool_table(
-      "t.tbl", "; tools\nT1 P7 D0.5 Z+1.25 ; mill\n\nq9 X-1 t2 P2 d.25 I10 J20\n", 25.4);
-  ASSERT_TRUE(table.has_value());
-  EXPECT_EQ(table->at(1).pocket, 7);
-  EXPECT_DOUBLE_EQ(table->at(1).diameter_mm, 12.7);
-  EXPECT_DOUBLE_EQ(table->at(1).offset[2], 31.75);
-  EXPECT_EQ(table->at(2).orientation, 9);
-  EXPECT_DOUBLE_EQ(table->at(2).offset[0], -25.4);
+  const auto table = test::value_of(read_tool_table(
+      "t.tbl", "; tools\nT1 P7 D0.5 Z+1.25 ; mill\n\nq9 X-1 t2 P2 d.25 I10 J20\n", 25.4));
+  EXPECT_EQ(table.at(1).pocket, 7);
+  EXPECT_DOUBLE_EQ(table.at(1).diameter_mm, 12.7);
+  EXPECT_DOUBLE_EQ(table.at(1).offset[2], 31.75);
+  EXPECT_EQ(table.at(2).orientation, 9);
+  EXPECT_DOUBLE_EQ(table.at(2).offset[0], -25.4);
 }
 
 TEST(ToolTable, ErrorsNameTheInvalidWord) {
@@ -37,9 +36,9 @@ TEST(ToolTable, ErrorsNameTheInvalidWord) {
 }
 
 TEST(ParameterFile, ReadsLinesOfTwoNumbersInAscendingOrder) {
-  const auto parameters = read_parameter_file("p.var", "5161 1.5\nname value\n5221\t-2e1\n\n");
-  ASSERT_TRUE(parameters.has_value());
-  EXPECT_EQ(*parameters, (std::map<int, double>{{5161, 1.5}, {5221, -20}}));
+  const auto parameters =
+      test::value_of(read_parameter_file("p.var", "5161 1.5\nname value\n5221\t-2e1\n\n"));
+  EXPECT_EQ(parameters, (std::map<int, double>{{5161, 1.5}, {5221, -20}}));
   EXPECT_THAT(read_parameter_file("p.var", "5221 0\n5161 0\n").error().reason,
               HasSubstr("greater than the parameter number before it, 5221"));
   EXPECT_THAT(read_parameter_file("p.var", "9999 0\n").error().reason, HasSubstr("from 1 to 5601"));
@@ -74,16 +73,15 @@ TEST(GcodeEnvironment, MachineZeroIsKnownWithParameterFile) {
   GcodeEnvironment environment;
   environment.parameters =
       std::map<int, double>{{5161, 0}, {5163, 100}, {5221, 10}, {5222, 20}, {5223, 30}, {5241, 15}};
-  const auto program =
+  const auto program = test::value_of(
       parse_program("p.ngc", "T1 M6\nG0 X0 Y0 Z5\nG1 Z-1 F100\nG53 G0 Z40\nG28\nG55 G0 X0\nM2\n",
-                    scene, environment);
-  ASSERT_TRUE(program.has_value()) << to_string(program.error());
+                    scene, environment));
   std::vector<Vec3> ends;
-  for (const ProgramMotion& motion : program->motions) ends.push_back(motion.to.tip_mm);
+  for (const ProgramMotion& motion : program.motions) ends.push_back(motion.to.tip_mm);
   // The scene's origin is that of G54. Other positions follow from the machine zero.
   EXPECT_THAT(ends, testing::ElementsAre(Vec3{0, 0, -1}, Vec3{0, 0, 10}, Vec3{-10, -20, 70},
                                          Vec3{5, -20, 70}));
-  EXPECT_THAT(program->warnings, IsEmpty());
+  EXPECT_THAT(program.warnings, IsEmpty());
 }
 
 TEST(GcodeEnvironment, PredefinedParametersReportTheState) {

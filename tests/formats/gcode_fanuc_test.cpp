@@ -219,10 +219,9 @@ TEST(MacroPrograms, CompensationMayBeRepeatedOnItsSide) {
   const auto read = [&](const std::string& rest) {
     return parse_program("p.nc", start + rest, scene, as(Dialect::kFanuc));
   };
-  const auto repeated = read("G41 X9\nX20\nM30\n"), once = read("X9\nX20\nM30\n");
-  ASSERT_TRUE(repeated) << to_string(repeated.error());
-  EXPECT_TRUE(repeated->motions == once->motions);
-  EXPECT_NE(repeated->motions.back().to.tip_mm.y, 0) << "beside the path";
+  const auto repeated = test::value_of(read("G41 X9\nX20\nM30\n"), once = read("X9\nX20\nM30\n"));
+  EXPECT_TRUE(repeated.motions == once->motions);
+  EXPECT_NE(repeated.motions.back().to.tip_mm.y, 0) << "beside the path";
 }
 
 TEST(MacroPrograms, CentersAreAbsoluteIfNothingElseGivesAnArc) {
@@ -231,10 +230,9 @@ TEST(MacroPrograms, CentersAreAbsoluteIfNothingElseGivesAnArc) {
   const auto read = [&](const std::string& arcs) {
     return parse_program("p.nc", start + arcs + "M30\n", scene, as(Dialect::kFanuc));
   };
-  const auto program = read("G3 X-50 Y40 I-40 J40\n");
-  ASSERT_TRUE(program) << to_string(program.error());
-  EXPECT_THAT(program->warnings, Contains(HasSubstr("p.nc:5: I, J and K of all arcs")));
-  for (const ProgramMotion& motion : program->motions) {
+  const auto program = test::value_of(read("G3 X-50 Y40 I-40 J40\n"));
+  EXPECT_THAT(program.warnings, Contains(HasSubstr("p.nc:5: I, J and K of all arcs")));
+  for (const ProgramMotion& motion : program.motions) {
     if (motion.line != 5) continue;
     EXPECT_NEAR(std::hypot(motion.to.tip_mm.x + 40, motion.to.tip_mm.y - 40), 10, 1e-5);
     EXPECT_GE(motion.to.tip_mm.y, 40 - 1e-9) << "a quarter, counterclockwise";
@@ -248,10 +246,9 @@ TEST(MacroPrograms, OffsetsAreZeroIfTheToolRadiusIsImpossible) {
   const Scene scene = test::scene_for("xyz");
   const std::string text =
       "G21\nT1 M6\nG0 X0 Y0 Z5\nG1 Z-1 F100\nG41 D1 X0.5\nX30\nY1\nX0\nG40 Y2\nM30\n";
-  const auto program = parse_program("p.nc", text, scene, as(Dialect::kFanuc));
-  ASSERT_TRUE(program) << to_string(program.error());
-  EXPECT_THAT(program->warnings, Contains(HasSubstr("the offsets D are read as 0")));
-  EXPECT_EQ(program->motions.at(2).to.tip_mm, (Vec3{30, 0, -1}));
+  const auto program = test::value_of(parse_program("p.nc", text, scene, as(Dialect::kFanuc)));
+  EXPECT_THAT(program.warnings, Contains(HasSubstr("the offsets D are read as 0")));
+  EXPECT_EQ(program.motions.at(2).to.tip_mm, (Vec3{30, 0, -1}));
 }
 
 TEST(GrblBlock, G10L20GivesTheCurrentPositionItsCoordinates) {
@@ -355,15 +352,14 @@ TEST(FanucBlock, CyclesStartInG98AndNeedNoDwellOrSpindle) {
 TEST(FanucBlock, SelectedToolThatIsNeverLoadedNeedNotExist) {
   const Scene scene = test::scene_for("xyz");
   const std::string start = "O1\nG21 T1 M6\nT9\nG90 G0 X0 Y0 Z5\nG43 H21 Z5\n";
-  const auto program =
-      parse_program("p.nc", start + "G41 D31 G1 X20 Y20 F100\nX40\nG40 X60\nM30\n", scene);
-  ASSERT_TRUE(program.has_value()) << to_string(program.error());
-  EXPECT_THAT(program->warnings, Contains(HasSubstr("radius of the scene's tool")));
+  const auto program = test::value_of(
+      parse_program("p.nc", start + "G41 D31 G1 X20 Y20 F100\nX40\nG40 X60\nM30\n", scene));
+  EXPECT_THAT(program.warnings, Contains(HasSubstr("radius of the scene's tool")));
   EXPECT_FALSE(parse_program("p.nc", start + "M6\nG1 X1 F9\nM30\n", scene).has_value());
-  const auto without = parse_program("p.nc", "O1\nT2\nG0 X0 Y0 Z5\nG1 Z1 F9\nM30\n", scene);
-  ASSERT_TRUE(without.has_value()) << to_string(without.error());
-  ASSERT_FALSE(without->motions.empty());
-  EXPECT_EQ(without->motions.front().tool, 2u);
+  const auto without =
+      test::value_of(parse_program("p.nc", "O1\nT2\nG0 X0 Y0 Z5\nG1 Z1 F9\nM30\n", scene));
+  ASSERT_FALSE(without.motions.empty());
+  EXPECT_EQ(without.motions.front().tool, 2u);
 }
 
 }  // namespace

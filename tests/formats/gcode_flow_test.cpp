@@ -136,11 +136,10 @@ TEST(GcodeFlow, SubroutineFilesAreReadFromTheGivenFoldersOnly) {
   EXPECT_EQ(error.file, (folder / "broken.ngc").string());
   EXPECT_EQ(error.line, 3u);
   const Scene scene = test::scene_for("xyz");
-  const auto read =
-      parse_program("p.ngc", "T1 M6 F100\nG0 X0 Y0 Z0\no<slot> call [5]\nM2\n", scene, environment);
-  ASSERT_TRUE(read.has_value()) << to_string(read.error());
-  const ProgramMotion& motion = read->motions.back();
-  EXPECT_EQ(place_of(*read, motion.file, motion.line), (folder / "slot.ngc").string() + ":3");
+  const auto read = test::value_of(parse_program(
+      "p.ngc", "T1 M6 F100\nG0 X0 Y0 Z0\no<slot> call [5]\nM2\n", scene, environment));
+  const ProgramMotion& motion = read.motions.back();
+  EXPECT_EQ(place_of(read, motion.file, motion.line), (folder / "slot.ngc").string() + ":3");
   std::filesystem::remove_all(folder);
 }
 

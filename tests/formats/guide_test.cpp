@@ -93,13 +93,11 @@ TEST(Guides, CanonicalTextReadsBackToTheSameGuides) {
   const Scene scene = parsed(text, source);
   const std::string canonical = scene_json(scene);
   EXPECT_THAT(canonical, HasSubstr(R"("file":"part.ngc")"));
-  const auto again = parse_scene(canonical, source);
-  ASSERT_TRUE(again.has_value()) << to_string(again.error());
-  EXPECT_EQ(scene_json(*again), canonical);
+  const auto again = test::value_of(parse_scene(canonical, source));
+  EXPECT_EQ(scene_json(again), canonical);
   const std::string expanded = guides_json(scene.guides, GuideFiles::kExpanded);
-  const auto welcome = parse_guides(R"({"guides":)" + expanded + "}");
-  ASSERT_TRUE(welcome.has_value()) << welcome.error();
-  EXPECT_EQ(guides_json(*welcome, GuideFiles::kExpanded), expanded);
+  const auto welcome = test::value_of(parse_guides(R"({"guides":)" + expanded + "}"));
+  EXPECT_EQ(guides_json(welcome, GuideFiles::kExpanded), expanded);
   EXPECT_EQ(parse_guides("{}")->size(), 0U);
 }
 
@@ -127,10 +125,9 @@ TEST_P(BadGuides, AreRejectedWithPathAndReason) {
                 {"long.csv", kForces + "0.7,9,0,0,0,0,1e200,0,0,0,0,0,0,1,0\n"},
                 {"far.ngc", "T1 M6\nG0 X0 Y0 Z5\nG1 X1 F600\nG1 X2000000\nM2\n"},
                 {"air.ngc", "G0 X1 Y1 Z1\nM2\n"}}};
-  const auto scene = parse_scene(scene_with(GetParam().guides), source);
-  ASSERT_FALSE(scene.has_value());
-  EXPECT_EQ(scene.error().path, GetParam().path);
-  EXPECT_THAT(scene.error().reason, HasSubstr(GetParam().reason));
+  const auto error = test::error_of(parse_scene(scene_with(GetParam().guides), source));
+  EXPECT_EQ(error.path, GetParam().path);
+  EXPECT_THAT(error.reason, HasSubstr(GetParam().reason));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -203,9 +200,9 @@ TEST(Guides, MeshStockRequiresASnapSurface) {
   const SceneSource source{
       .base_folder = {}, .files = {{"t.obj", tetrahedron}}, .load_mesh = load_mesh};
   const std::string stock = R"({"shape": "mesh", "file": "t.obj"})";
-  const auto none = parse_scene(scene_with(R"([{"kind": "snap"}])", stock), source);
-  ASSERT_FALSE(none.has_value());
-  EXPECT_THAT(none.error().reason, HasSubstr("surface"));
+  const auto error =
+      test::error_of(parse_scene(scene_with(R"([{"kind": "snap"}])", stock), source));
+  EXPECT_THAT(error.reason, HasSubstr("surface"));
   const auto given = parse_scene(
       scene_with(R"([{"kind": "snap", "surface": {"shape": "cylinder", "min_mm": [0, 0, 0],
                       "max_mm": [4, 4, 9]}}])",

@@ -57,9 +57,9 @@ TEST(MachineKinematics, APositiveAngleMayTurnTheTool) {
   environment.dialect = Dialect::kFanuc;
   for (const auto direction : {RotaryDirection::kTable, RotaryDirection::kTool}) {
     scene.machine.rotary_direction = direction;
-    const auto program = parse_program("p.nc", "G21 G90\nT1 M6\n" + text, scene, environment);
-    ASSERT_TRUE(program) << to_string(program.error());
-    EXPECT_NEAR(program->motions.back().to.axis.x, direction == RotaryDirection::kTool ? 0.5 : -0.5,
+    const auto program =
+        test::value_of(parse_program("p.nc", "G21 G90\nT1 M6\n" + text, scene, environment));
+    EXPECT_NEAR(program.motions.back().to.axis.x, direction == RotaryDirection::kTool ? 0.5 : -0.5,
                 1e-9);
   }
 }

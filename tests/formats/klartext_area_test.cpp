@@ -182,12 +182,11 @@ TEST(KlartextApproach, ALineEndsAcrossTheFirstElement) {
 
 // The arc is smaller than the tool, so the path can only be that of the tool's center.
 TEST(KlartextApproach, PathsTooTightForTheToolAreThoseOfItsCenter) {
-  const auto program =
-      read("L X-30 Y+0 R0 F500\nL X+0 RL\nL X+20\nCC X+20 Y+3\nC X+20 Y+6 DR+\nL X+0\nL Y+30 R0\n");
-  ASSERT_TRUE(program) << to_string(program.error());
-  EXPECT_THAT(program->warnings, Contains(HasSubstr("RL and RR displace by 0")));
-  EXPECT_EQ(program->motions[1].to.tip_mm, (Vec3{0, 0, 5}));
-  EXPECT_EQ(program->motions.back().to.tip_mm, (Vec3{0, 30, 5}));
+  const auto program = test::value_of(read(
+      "L X-30 Y+0 R0 F500\nL X+0 RL\nL X+20\nCC X+20 Y+3\nC X+20 Y+6 DR+\nL X+0\nL Y+30 R0\n"));
+  EXPECT_THAT(program.warnings, Contains(HasSubstr("RL and RR displace by 0")));
+  EXPECT_EQ(program.motions[1].to.tip_mm, (Vec3{0, 0, 5}));
+  EXPECT_EQ(program.motions.back().to.tip_mm, (Vec3{0, 30, 5}));
 }
 
 // The programs "Linear" and "Circular" of the manual: the tool never enters the contour.

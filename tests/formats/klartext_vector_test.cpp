@@ -85,10 +85,9 @@ TEST(KlartextVectors, TurnWithTheProgram) {
 TEST(KlartextVectors, NeedAMachineThatTurnsTheTool) {
   EXPECT_EQ(refused("M128\nLN X+20 TX+0 TY+0 TZ+1 F9\n", "xyz"), "");
   EXPECT_THAT(refused("M128\nLN X+20 TX+1 TY+0 TZ+1 F9\n", "xyz"), HasSubstr("the machine xyz"));
-  const auto facts =
-      program_facts("p.h", kHead + "M128\nLN X+20 TX+1 TY+0 TZ+1 F9\nEND PGM T MM\n", {});
-  ASSERT_TRUE(facts);
-  EXPECT_EQ(facts->kinematics, MachineKinematics::kXyzacTrt);
+  const auto facts = test::value_of(
+      program_facts("p.h", kHead + "M128\nLN X+20 TX+1 TY+0 TZ+1 F9\nEND PGM T MM\n", {}));
+  EXPECT_EQ(facts.kinematics, MachineKinematics::kXyzacTrt);
 }
 
 TEST(KlartextVectors, AreRejectedIfAmbiguous) {

@@ -221,10 +221,9 @@ TEST(NarrowGrooves, GrooveDeterminesThePitchForATarget) {
     return pitch_for_walls(job.truth, sample_cut_surface(job.truth, kSamples),
                            {kPitchMm, kPitchMm, 0.001});
   };
-  const auto pitch = pitch_of(groove(0.14, 15));
-  ASSERT_TRUE(pitch.has_value());
-  EXPECT_LE(*pitch, 0.14 * 1.02);
-  EXPECT_GT(*pitch, 0.14 / 1.2);
+  const auto pitch = test::value_of(pitch_of(groove(0.14, 15)));
+  EXPECT_LE(pitch, 0.14 * 1.02);
+  EXPECT_GT(pitch, 0.14 / 1.2);
   EXPECT_EQ(pitch_of(groove(0.9, 15)), kPitchMm);
 }
 
@@ -249,10 +248,9 @@ TEST(ThinWalls, RibDeterminesThePitchForATarget) {
     return pitch_for_walls(job.truth, sample_cut_surface(job.truth, kSamples),
                            {kPitchMm, kPitchMm, 0.001});
   };
-  const auto pitch = pitch_of(rib_along_x());
-  ASSERT_TRUE(pitch.has_value());
-  EXPECT_LE(*pitch, kRibMm * 1.02);
-  EXPECT_GT(*pitch, kRibMm / 1.2);
+  const auto pitch = test::value_of(pitch_of(rib_along_x()));
+  EXPECT_LE(pitch, kRibMm * 1.02);
+  EXPECT_GT(pitch, kRibMm / 1.2);
   EXPECT_EQ(pitch_of(two_slots({1, 0, 0}, {15, 15, 0}, 0.9)), kPitchMm);
   // Less than an eighth of the pitch.
   EXPECT_FALSE(pitch_of(two_slots({1, 0, 0}, {15, 15, 0}, 0.004)).has_value());

@@ -88,8 +88,7 @@ const AreaPath kLetter{{.x = 0, .y = 8},  {.x = -9, .y = 8}, {.x = -9, .y = -8},
 // Expects a cut of exactly the points that the tool reaches from positions within the outline.
 void expect_cleared(const AreaPath& outline, double radius, double step, bool along_x) {
   const OutlinePocket pocket(outline, radius);
-  const auto strokes = pocket.strokes(step, along_x);
-  ASSERT_TRUE(strokes);
+  const auto strokes = test::value_of(pocket.strokes(step, along_x));
   const std::vector<OutlinePoint> wall = chords_of(outline), loop = chords_of(pocket.loop());
   std::vector<OutlinePoint> places;  // the outermost positions
   for (double x = -20; x <= 20; x += 0.11)
@@ -104,7 +103,7 @@ void expect_cleared(const AreaPath& outline, double radius, double step, bool al
       double to_place = is_place ? 0 : HUGE_VAL, to_path = distance_to(loop, x, y);
       for (const OutlinePoint& place : places)
         to_place = std::min(to_place, std::hypot(place.x - x, place.y - y));
-      for (const auto& [from, to] : *strokes)
+      for (const auto& [from, to] : strokes)
         to_path = std::min(to_path, distance_of(x, y, from.x, from.y, to.x, to.y));
       if (std::abs(to_place - radius) < 0.15) continue;
       ASSERT_EQ(to_path <= radius + 0.005, to_place < radius) << x << " " << y;
@@ -123,9 +122,8 @@ TEST(OutlinePocket, StrokesStayClearOfTheOutline) {
     const OutlinePocket pocket(outline, 1.25);
     const std::vector<OutlinePoint> wall = chords_of(outline);
     for (const bool along_x : {true, false}) {
-      const auto strokes = pocket.strokes(0.7, along_x);
-      ASSERT_TRUE(strokes);
-      for (const auto& [from, to] : *strokes) {
+      const auto strokes = test::value_of(pocket.strokes(0.7, along_x));
+      for (const auto& [from, to] : strokes) {
         EXPECT_TRUE(pocket.is_clear(from, to));
         for (const double s : {0.0, 0.3, 1.0}) {
           const double x = std::lerp(from.x, to.x, s), y = std::lerp(from.y, to.y, s);

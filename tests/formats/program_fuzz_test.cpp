@@ -123,9 +123,8 @@ TEST(ProgramFuzz, SubroutinesAndCyclesTerminateWithValidMotionsOrAnError) {
   const Scene scene = scene_for("xyz");
   GcodeEnvironment environment;
   environment.lines_max = 5000;
-  const auto whole = parse_program("p.ngc", kControllerSeed, scene, environment);
-  ASSERT_TRUE(whole.has_value()) << to_string(whole.error());
-  ASSERT_GT(whole->motions.size(), 40u);
+  const auto whole = test::value_of(parse_program("p.ngc", kControllerSeed, scene, environment));
+  ASSERT_GT(whole.motions.size(), 40u);
   for (std::uint64_t seed = 1; seed <= 3000; ++seed)
     expect_valid(parse_program("p.ngc", mutated(kControllerSeed, seed), scene, environment), seed);
 }

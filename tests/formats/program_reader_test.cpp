@@ -66,18 +66,16 @@ TEST(ProgramReader, StepsGiveTheMotionsOfTheWholeProgram) {
   for (const Sample& sample : kSamples) {
     SCOPED_TRACE(sample.name);
     const Scene scene = scene_of(sample.kinematics);
-    const auto program = parse_program(sample.name, sample.text, scene);
-    ASSERT_TRUE(program) << to_string(program.error());
-    EXPECT_GE(program->motions.size(), 2u);
+    const auto program = test::value_of(parse_program(sample.name, sample.text, scene));
+    EXPECT_GE(program.motions.size(), 2u);
     Counter counter;
-    const auto read = read_program(sample.name, sample.text, scene, {}, counter);
-    ASSERT_TRUE(read);
-    EXPECT_EQ(counter.motions, program->motions.size());
+    const auto read = test::value_of(read_program(sample.name, sample.text, scene, {}, counter));
+    EXPECT_EQ(counter.motions, program.motions.size());
     EXPECT_LT(counter.most, kStepMax);
-    EXPECT_EQ(read->notes.warnings, program->warnings);
-    EXPECT_EQ(read->notes.files, program->files);
-    EXPECT_EQ(drained(MotionStream(read->open(), std::nullopt)), program->motions);
-    EXPECT_EQ(drained(MotionStream(read->open(), 100.0)), sample_program(*program, 100).motions);
+    EXPECT_EQ(read.notes.warnings, program.warnings);
+    EXPECT_EQ(read.notes.files, program.files);
+    EXPECT_EQ(drained(MotionStream(read.open(), std::nullopt)), program.motions);
+    EXPECT_EQ(drained(MotionStream(read.open(), 100.0)), sample_program(program, 100).motions);
   }
 }
 
@@ -100,9 +98,8 @@ TEST(ProgramReader, ALoopWithoutMotionsIsExecutedInManySteps) {
   for (const char* loop :
        {"#1=1\nO1 while [#1 LT 2]\nO1 endwhile\nM2\n", "%\nO1\nWHILE[1EQ1]DO1\nEND1\nM30\n%\n"}) {
     Counter counter;
-    const auto refused = read_program("p.ngc", loop, scene, {}, counter);
-    ASSERT_FALSE(refused);
-    EXPECT_THAT(to_string(refused.error()), HasSubstr("lines without a motion"));
+    const auto error = test::error_of(read_program("p.ngc", loop, scene, {}, counter));
+    EXPECT_THAT(to_string(error), HasSubstr("lines without a motion"));
   }
   std::string lines = "O1\nG21 T1 M6\nG0 X0 Y0 Z5\n";
   for (int n = 0; n < 20'000; ++n) lines += "N9\n";
@@ -110,9 +107,8 @@ TEST(ProgramReader, ALoopWithoutMotionsIsExecutedInManySteps) {
        {std::string("G21\nT1 M6\nG0 X0 Y0 Z5\nO1 repeat [20000]\nO1 endrepeat\nG1 X9 F100\nM2\n"),
         lines + "G1 X9. F100\nM30\n%\n"}) {
     Counter counter;
-    const auto read = read_program("p.nc", text, scene, {}, counter);
-    ASSERT_TRUE(read) << to_string(read.error());
-    MotionStream stream(read->open(), std::nullopt);
+    const auto read = test::value_of(read_program("p.nc", text, scene, {}, counter));
+    MotionStream stream(read.open(), std::nullopt);
     std::size_t steps = 0;
     while (stream.next() == nullptr) {
       ASSERT_TRUE(stream.read().value());
@@ -150,9 +146,8 @@ TEST(ProgramReader, EndsWithinOneStepOfAStop) {
     GcodeEnvironment environment;
     environment.dialect = dialect_of(dialect).value();
     Impatient visitor(5);
-    const auto ended = read_program(name, text, scene, environment, visitor);
-    ASSERT_FALSE(ended);
-    EXPECT_THAT(to_string(ended.error()), HasSubstr("stopped"));
+    const auto error = test::error_of(read_program(name, text, scene, environment, visitor));
+    EXPECT_THAT(to_string(error), HasSubstr("stopped"));
     EXPECT_EQ(visitor.asked, 5);
   }
 }
@@ -162,34 +157,30 @@ TEST(ProgramReader, StopEndsReadingWithoutAScene) {
   stop.request_stop();
   const std::string text = "G21\nT1 M6\nF100\nG0 X0 Y0 Z5\nG1 Z-1\nX9\nM2\n";
   ASSERT_TRUE(program_facts("p.ngc", text));
-  const auto facts = program_facts("p.ngc", text, {}, stop.get_token());
-  ASSERT_FALSE(facts);
-  EXPECT_THAT(to_string(facts.error()), HasSubstr("stopped"));
-  const auto derived = derive_scene("p.ngc", text, {}, {}, stop.get_token());
-  ASSERT_FALSE(derived);
-  EXPECT_THAT(derived.error(), HasSubstr("stopped"));
+  const auto error = test::error_of(program_facts("p.ngc", text, {}, stop.get_token()));
+  EXPECT_THAT(to_string(error), HasSubstr("stopped"));
+  const auto derived = test::error_of(derive_scene("p.ngc", text, {}, {}, stop.get_token()));
+  EXPECT_THAT(derived, HasSubstr("stopped"));
 }
 
 TEST(ProgramReader, ErrorWithinAPathNamesItsLine) {
   const Scene scene = scene_of("xyz");
   Counter counter;
-  const auto read =
+  const auto error = test::error_of(
       read_program("p.ngc", "G21\nT1 M6\nF100\nG0 X0 Y0 Z5\nG2 X10 I5 P20 Z-10000000\nG1 X0\nM2\n",
-                   scene, {}, counter);
-  ASSERT_FALSE(read);
-  EXPECT_EQ(read.error().line, 5u);
-  EXPECT_EQ(read.error().word, "G2 X10 I5 P20 Z-10000000");
-  EXPECT_THAT(read.error().reason, HasSubstr("mm from the origin"));
+                   scene, {}, counter));
+  EXPECT_EQ(error.line, 5u);
+  EXPECT_EQ(error.word, "G2 X10 I5 P20 Z-10000000");
+  EXPECT_THAT(error.reason, HasSubstr("mm from the origin"));
   EXPECT_GT(counter.motions, 0u);
 }
 
 TEST(ProgramSurvey, CountsCarvedMotions) {
   const Scene scene = scene_of("xyz");
   const std::string text = kSamples[1].text;
-  const auto program = parse_program("p.ngc", text, scene);
-  ASSERT_TRUE(program);
+  const auto program = test::value_of(parse_program("p.ngc", text, scene));
   for (const std::optional<double> rate_hz : {std::optional<double>(), std::optional(50.0)}) {
-    const Program carved = rate_hz ? sample_program(*program, *rate_hz) : *program;
+    const Program carved = rate_hz ? sample_program(program, *rate_hz) : program;
     ProgramSurvey survey(100, rate_hz);
     ASSERT_TRUE(read_program("p.ngc", text, scene, {}, survey));
     const ProgramTotals totals = survey.totals();
@@ -199,7 +190,7 @@ TEST(ProgramSurvey, CountsCarvedMotions) {
     EXPECT_EQ(totals.duration_s, duration_s);
     ASSERT_EQ(totals.tools.size(), 1u);
     EXPECT_EQ(totals.tools[0].line, carved.motions[0].line);
-    EXPECT_EQ(survey.path().points, drawn_path(*program, 100).points);
+    EXPECT_EQ(survey.path().points, drawn_path(program, 100).points);
   }
 }
 

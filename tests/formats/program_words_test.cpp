@@ -44,10 +44,10 @@ TEST(ProgramWords, UseOfToolsCountsAsZero) {
   EXPECT_EQ(haas("IF [#5401 GE 6000] THEN #3000=15 (EXPIRED)\nG0 X[#5501+1]\nX[#5701+2]\nM30\n"),
             "R 1 0 0, R 2 0 0");
   EXPECT_THAT(refused("G0 X#5601\n", Dialect::kHaas), HasSubstr("#5601")) << "a limit";
-  const auto program = parse_program("p.nc", "G21\nT1 M6\nG0 X0 Y0 Z5\nG1 X[#5401+1.] F9\nM30\n",
-                                     scene_for("xyz"), as(Dialect::kHaas));
-  ASSERT_TRUE(program);
-  EXPECT_THAT(program->warnings, Contains(HasSubstr("they are new")));
+  const auto program =
+      test::value_of(parse_program("p.nc", "G21\nT1 M6\nG0 X0 Y0 Z5\nG1 X[#5401+1.] F9\nM30\n",
+                                   scene_for("xyz"), as(Dialect::kHaas)));
+  EXPECT_THAT(program.warnings, Contains(HasSubstr("they are new")));
 }
 
 TEST(ProgramWords, LinesMayEndWithCrAlone) {
@@ -67,10 +67,9 @@ TEST(ProgramWords, LinesMayEndWithCrAlone) {
 
 TEST(ProgramWords, ANumberBelowEveryDoubleIsZero) {
   const std::string start = "UNITS/MM\nLOADTL/1\nFEDRAT/600,MMPM\nFROM/0,0,0\n";
-  const auto program =
-      parse_program("p.apt", start + "GOTO/1E-400,-2.5E-999,1\nFINI\n", scene_for("xyz"));
-  ASSERT_TRUE(program) << to_string(program.error());
-  EXPECT_EQ(program->motions.at(0).to.tip_mm, (Vec3{0, 0, 1}));
+  const auto program = test::value_of(
+      parse_program("p.apt", start + "GOTO/1E-400,-2.5E-999,1\nFINI\n", scene_for("xyz")));
+  EXPECT_EQ(program.motions.at(0).to.tip_mm, (Vec3{0, 0, 1}));
   EXPECT_FALSE(parse_program("p.apt", start + "GOTO/1E400,0,1\nFINI\n", scene_for("xyz")));
 }
 
@@ -97,30 +96,26 @@ TEST(ProgramWords, LatheWordsAreNamed) {
   EXPECT_EQ(sign_of_turning(turned + "G0 Y5.\n"), "") << "a lathe of two axes has no Y";
   EXPECT_EQ(sign_of_turning("G0 X1 Z1\nG50 (S3000)\nG1 X5 F9\n"), "") << "the end of a scaling";
   EXPECT_EQ(sign_of_turning("G0 X1 Z1\nG83 Z-5 R1 Q2 F9\n"), "");
-  const auto scene = derive_scene("p.nc", turned, {}, {});
-  ASSERT_FALSE(scene);
-  EXPECT_THAT(scene.error(), HasSubstr("is a program for a lathe (line 4 has G50 S)"));
+  const auto error = test::error_of(derive_scene("p.nc", turned, {}, {}));
+  EXPECT_THAT(error, HasSubstr("is a program for a lathe (line 4 has G50 S)"));
 }
 
 TEST(ProgramWords, CutBeforeTheFirstToolChangeRequiresTheSpindlesTool) {
   const std::string text =
       "G21\nG0 X-20 Y0 Z5\nF400\nG1 Z-3\nX20\nG0 Z5\nM6 T2\nG0 X0 Y20\nG1 Z-3\nX20\nG0 Z5\nM6 T1\n"
       "G0 X0\nM2\n";
-  const auto scene = derive_scene("p.ngc", text, {}, {});
-  ASSERT_TRUE(scene) << scene.error();
-  const ToolId spindle = scene->scene.machine.spindle_tool;
+  const auto scene = test::value_of(derive_scene("p.ngc", text, {}, {}));
+  const ToolId spindle = scene.scene.machine.spindle_tool;
   EXPECT_EQ(spindle, 3U) << "a number of no other tool";
-  EXPECT_THAT(scene->notes, Contains(HasSubstr("--tool 3=6 states it; the program cuts with it")));
+  EXPECT_THAT(scene.notes, Contains(HasSubstr("--tool 3=6 states it; the program cuts with it")));
   SceneWishes wishes;
   wishes.tools = {{spindle, BallShape{4, 20}}};
   EXPECT_EQ(derive_scene("p.ngc", text, {}, wishes)->scene.tools.at(3).tool.radius_mm, 2);
-  const auto again = parse_scene(scene_json(scene->scene), {});
-  ASSERT_TRUE(again) << to_string(again.error());
-  const auto program = parse_program("p.ngc", text, *again);
-  ASSERT_TRUE(program) << to_string(program.error());
-  EXPECT_EQ(program->motions.front().tool, 3U);
-  EXPECT_EQ(program->motions.back().tool, 1U);
-  Scene none = *again;
+  const auto again = test::value_of(parse_scene(scene_json(scene.scene), {}));
+  const auto program = test::value_of(parse_program("p.ngc", text, again));
+  EXPECT_EQ(program.motions.front().tool, 3U);
+  EXPECT_EQ(program.motions.back().tool, 1U);
+  Scene none = again;
   none.machine.spindle_tool = 0;
   EXPECT_THAT(to_string(parse_program("p.ngc", text, none).error()), HasSubstr("spindle_tool"));
   const auto loaded =
@@ -158,17 +153,17 @@ TEST(Export, KeepsArcsAndReadsBackTheSameMotions) {
   const Scene scene = scene_for("xyz");
   for (const Post post : test::kPosts) {
     SCOPED_TRACE(std::string(rules_of(post).name));
-    const auto program = parse_program("p.ngc", text, scene, as(Dialect::kLinuxcnc));
-    ASSERT_TRUE(program) << to_string(program.error());
-    const std::string written = text_of(*program, scene, post);
+    const auto program =
+        test::value_of(parse_program("p.ngc", text, scene, as(Dialect::kLinuxcnc)));
+    const std::string written = text_of(program, scene, post);
     const bool klartext = post == Post::kHeidenhain;
     EXPECT_GE(count_of(written, klartext ? " DR" : "\nG2 ") + count_of(written, "\nG3 "),
               klartext ? 3 : 6)
         << written;
     const Program again = test::read_back(scene, written, post);
-    ASSERT_EQ(again.motions.size(), program->motions.size()) << written;
+    ASSERT_EQ(again.motions.size(), program.motions.size()) << written;
     for (std::size_t n = 0; n < again.motions.size(); ++n) {
-      const double off = length(again.motions[n].to.tip_mm - program->motions[n].to.tip_mm);
+      const double off = length(again.motions[n].to.tip_mm - program.motions[n].to.tip_mm);
       ASSERT_LE(off, post == Post::kLinuxcnc ? 0 : 1e-3) << n << "\n" << written;
     }
     if (klartext) continue;
@@ -183,13 +178,12 @@ TEST(Export, KeepsArcsWhoseEndsAreRounded) {
   const std::string text =
       "G21 G90\nT1 M6\nG0 X0 Y0 Z5\nG1 Z-1 F300\nG2 X15.858 Y1.493 I8.124 J-1.322 F600\n"
       "G3 X3.832 Y-13.491 Z-2 I-3.1 J-9.83\nM2\n";
-  const auto program = parse_program("p.ngc", text, scene);
-  ASSERT_TRUE(program) << to_string(program.error());
-  const std::string written = text_of(*program, scene, Post::kLinuxcnc);
+  const auto program = test::value_of(parse_program("p.ngc", text, scene));
+  const std::string written = text_of(program, scene, Post::kLinuxcnc);
   const Program again = test::read_back(scene, written, Post::kLinuxcnc);
-  ASSERT_EQ(again.motions.size(), program->motions.size()) << written;
+  ASSERT_EQ(again.motions.size(), program.motions.size()) << written;
   for (std::size_t n = 0; n < again.motions.size(); ++n)
-    ASSERT_EQ(again.motions[n].to, program->motions[n].to) << n << "\n" << written;
+    ASSERT_EQ(again.motions[n].to, program.motions[n].to) << n << "\n" << written;
   EXPECT_EQ(count_of(written, "\nG2 "), 1) << written;
   EXPECT_EQ(count_of(written, "\nG3 "), 1) << written;
 }

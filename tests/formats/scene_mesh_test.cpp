@@ -45,10 +45,9 @@ TEST_F(MeshScene, ObstaclesAreReadRelativeToTheScene) {
               file + "\"}]}");
     return load_scene(folder_ / "s.json");
   };
-  const auto scene = with_obstacle("wall.stl");
-  ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
-  EXPECT_EQ(std::get<MeshObstacle>(scene->settings.obstacles[0].shape).triangles.size(), 1u);
-  EXPECT_EQ(scene->obstacle_files[0].file, "wall.stl");
+  const auto scene = test::value_of(with_obstacle("wall.stl"));
+  EXPECT_EQ(std::get<MeshObstacle>(scene.settings.obstacles[0].shape).triangles.size(), 1u);
+  EXPECT_EQ(scene.obstacle_files[0].file, "wall.stl");
   EXPECT_THAT(to_string(with_obstacle("none.stl").error()), HasSubstr("cannot be read"));
   EXPECT_THAT(to_string(with_obstacle("s.json").error()), HasSubstr("obstacles[0].file"));
 }
@@ -56,32 +55,28 @@ TEST_F(MeshScene, ObstaclesAreReadRelativeToTheScene) {
 TEST_F(MeshScene, StockIsTheFilesSolid) {
   write("t.obj", tetrahedron_);
   for (const char* shape : {"mesh", "stl"}) {
-    const auto scene = scene_of("t.obj", shape);
-    ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
-    EXPECT_EQ(std::get<BoxStock>(scene->settings.stock).max_mm, (Vec3{10, 10, 10}));
-    const auto sculpture = Sculpture::create(scene->settings);
-    ASSERT_TRUE(sculpture.has_value());
-    EXPECT_NEAR(sculpture->stock_volume_mm3(), 1000.0 / 6, 0.3);
+    const auto scene = test::value_of(scene_of("t.obj", shape));
+    EXPECT_EQ(std::get<BoxStock>(scene.settings.stock).max_mm, (Vec3{10, 10, 10}));
+    const auto sculpture = test::value_of(Sculpture::create(scene.settings));
+    EXPECT_NEAR(sculpture.stock_volume_mm3(), 1000.0 / 6, 0.3);
     // The canonical text names the file; viewers get the bounding box.
-    EXPECT_THAT(scene_json(*scene), HasSubstr(R"("stock":{"shape":"mesh","file":"t.obj"})"));
-    EXPECT_THAT(stock_json(*scene), HasSubstr("box"));
-    EXPECT_TRUE(scene->files.empty());
+    EXPECT_THAT(scene_json(scene), HasSubstr(R"("stock":{"shape":"mesh","file":"t.obj"})"));
+    EXPECT_THAT(stock_json(scene), HasSubstr("box"));
+    EXPECT_TRUE(scene.files.empty());
   }
 }
 
 TEST_F(MeshScene, KeptFilesReplaceTheBaseFolder) {
   write("t.obj", tetrahedron_);
-  const auto first = parse_scene(
+  const auto first = test::value_of(parse_scene(
       text_of("t.obj", "mesh"),
-      {.base_folder = folder_, .files = {}, .keep_files = true, .load_mesh = load_mesh});
-  ASSERT_TRUE(first.has_value());
-  EXPECT_EQ(first->files.at("t.obj"), tetrahedron_);
+      {.base_folder = folder_, .files = {}, .keep_files = true, .load_mesh = load_mesh}));
+  EXPECT_EQ(first.files.at("t.obj"), tetrahedron_);
   std::filesystem::remove(folder_ / "t.obj");
-  const auto again =
-      parse_scene(scene_json(*first),
-                  {.name = "s", .base_folder = {}, .files = first->files, .load_mesh = load_mesh});
-  ASSERT_TRUE(again.has_value()) << to_string(again.error());
-  EXPECT_EQ(*again->settings.stock_mesh, *first->settings.stock_mesh);
+  const auto again = test::value_of(
+      parse_scene(scene_json(first),
+                  {.name = "s", .base_folder = {}, .files = first.files, .load_mesh = load_mesh}));
+  EXPECT_EQ(*again.settings.stock_mesh, *first.settings.stock_mesh);
 }
 
 TEST_F(MeshScene, InvalidMeshIsRejectedWithReasonAndPath) {
@@ -102,10 +97,9 @@ TEST_F(MeshScene, InvalidMeshIsRejectedWithReasonAndPath) {
   write("part.step", "ISO-10303-21;");
   EXPECT_THAT(reason_of("part.step"), HasSubstr("must be a .stl, .ply, .obj, .3mf or .glb file"));
   write("t.obj", tetrahedron_);
-  const auto posted = parse_scene(text_of("t.obj", "mesh"), {});
-  ASSERT_FALSE(posted.has_value());
-  EXPECT_EQ(posted.error().path, "stock.file");
-  EXPECT_THAT(posted.error().reason, HasSubstr("may not name a file"));
+  const auto error = test::error_of(parse_scene(text_of("t.obj", "mesh"), {}));
+  EXPECT_EQ(error.path, "stock.file");
+  EXPECT_THAT(error.reason, HasSubstr("may not name a file"));
 }
 
 TEST_F(MeshScene, MeshesArePlacedAndRepaired) {
@@ -118,20 +112,18 @@ TEST_F(MeshScene, MeshesArePlacedAndRepaired) {
       R"(], "tools": [{"id": 1, "shape": "ball", "diameter_mm": 2, "length_mm": 9}]})";
   const SceneSource source{
       .name = "s", .base_folder = folder_, .keep_files = true, .load_mesh = load_mesh};
-  const auto scene = parse_scene(text, source);
-  ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
-  const BoxStock box = std::get<BoxStock>(scene->settings.stock);
+  const auto scene = test::value_of(parse_scene(text, source));
+  const BoxStock box = std::get<BoxStock>(scene.settings.stock);
   EXPECT_EQ(box.min_mm, (Vec3{-100, 5, 0}));
   EXPECT_EQ(box.max_mm, (Vec3{0, 105, 200}));
-  EXPECT_EQ(scene->stock_repair.holes_closed, 1u);
-  EXPECT_EQ(std::get<MeshObstacle>(scene->settings.obstacles[0].shape).triangles.size(), 4u);
+  EXPECT_EQ(scene.stock_repair.holes_closed, 1u);
+  EXPECT_EQ(std::get<MeshObstacle>(scene.settings.obstacles[0].shape).triangles.size(), 4u);
   // Journals keep the canonical text and the file.
-  const auto again =
-      parse_scene(scene_json(*scene),
-                  {.name = "s", .base_folder = {}, .files = scene->files, .load_mesh = load_mesh});
-  ASSERT_TRUE(again.has_value()) << to_string(again.error());
-  EXPECT_EQ(*again->settings.stock_mesh, *scene->settings.stock_mesh);
-  EXPECT_EQ(scene_json(*again), scene_json(*scene));
+  const auto again = test::value_of(
+      parse_scene(scene_json(scene),
+                  {.name = "s", .base_folder = {}, .files = scene.files, .load_mesh = load_mesh}));
+  EXPECT_EQ(*again.settings.stock_mesh, *scene.settings.stock_mesh);
+  EXPECT_EQ(scene_json(again), scene_json(scene));
 
   const auto reason_of = [&](const std::string& from, const std::string& to) {
     std::string changed = text;

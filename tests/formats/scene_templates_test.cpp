@@ -22,11 +22,10 @@ TEST(SceneTemplates, EachIsAValidScene) {
 }
 
 TEST(SceneTemplates, AmmoniteEqualsTheDemo) {
-  const auto demo = load_scene(KERF_SOURCE_DIR "/haptic_agent/demo/demo.json");
-  ASSERT_TRUE(demo);
+  const auto demo = test::value_of(load_scene(KERF_SOURCE_DIR "/haptic_agent/demo/demo.json"));
   for (const SceneTemplate& one : scene_templates()) {
     if (one.id != "ammonite") continue;
-    EXPECT_EQ(scene_json(*parse_scene(one.scene, SceneSource{})), scene_json(*demo));
+    EXPECT_EQ(scene_json(*parse_scene(one.scene, SceneSource{})), scene_json(demo));
     return;
   }
   FAIL() << "there is no ammonite";

@@ -55,11 +55,10 @@ std::string filleted(const std::string& accuracy, const std::string& more = "") 
 TEST(SceneTool, FilletsFollowTheTolerance) {
   std::size_t finer = 1000;
   for (const double tolerance : {1e-4, 1e-3, 1e-2, 1e-1}) {
-    const auto scene =
-        parse_scene(filleted(R"({"tolerance_mm": )" + std::to_string(tolerance) + "}"), {});
-    ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
-    const SceneTool& tool = scene->tools.at(1);
-    const double chord = kChordShare * scene->settings.tolerance_mm;
+    const auto scene = test::value_of(
+        parse_scene(filleted(R"({"tolerance_mm": )" + std::to_string(tolerance) + "}"), {}));
+    const SceneTool& tool = scene.tools.at(1);
+    const double chord = kChordShare * scene.settings.tolerance_mm;
     EXPECT_EQ(std::get<ProfileShape>(tool.shape).chord_tolerance_mm, chord);
     EXPECT_EQ(std::get<ProfileShape>(*tool.body.holder).chord_tolerance_mm, chord);
     EXPECT_EQ(tool.tool, *make_tool(tool.shape, tool.body));
@@ -69,10 +68,9 @@ TEST(SceneTool, FilletsFollowTheTolerance) {
     EXPECT_LT(tool.tool.pieces.size(), M_PI / 4 / std::sqrt(2 * chord / 4) + 4);
     finer = tool.tool.pieces.size();
     // An agent that reads the canonical text gets the same tool.
-    const auto again = parse_scene(scene_json(*scene), {});
-    ASSERT_TRUE(again.has_value()) << to_string(again.error());
-    EXPECT_EQ(again->tools.at(1).tool, tool.tool);
-    EXPECT_FALSE(again->tools.at(1).chords_follow);
+    const auto again = test::value_of(parse_scene(scene_json(scene), {}));
+    EXPECT_EQ(again.tools.at(1).tool, tool.tool);
+    EXPECT_FALSE(again.tools.at(1).chords_follow);
   }
 }
 
@@ -95,18 +93,17 @@ TEST(SceneTool, StatedChordToleranceIsKept) {
 }
 
 TEST(SceneTool, FilletWithTooManyPiecesIsRejectedAtItsPosition) {
-  const auto scene = parse_scene(
+  const auto error = test::error_of(parse_scene(
       R"({"stock": {"shape": "box", "min_mm": [0,0,-9], "max_mm": [9,9,0]},
           "accuracy": {"tolerance_mm": 1e-6}, "tools": [{"id": 1, "shape": "profile", "profile_mm":
           [[4,0], {"to": [104,100], "radius": 100, "bulge": "in"}]}]})",
-      {});
-  ASSERT_FALSE(scene.has_value());
-  EXPECT_EQ(scene.error().path, "tools[0].profile_mm[1]");
+      {}));
+  EXPECT_EQ(error.path, "tools[0].profile_mm[1]");
   // The message states the fault, the limit, the remedy, and the source of a value that the tool
   // does not state.
-  EXPECT_THAT(scene.error().reason, HasSubstr("1024"));
-  EXPECT_THAT(scene.error().reason, HasSubstr("larger chord_tolerance_mm"));
-  EXPECT_THAT(scene.error().reason, HasSubstr("(it follows accuracy.tolerance_mm: 0.000001 mm)"));
+  EXPECT_THAT(error.reason, HasSubstr("1024"));
+  EXPECT_THAT(error.reason, HasSubstr("larger chord_tolerance_mm"));
+  EXPECT_THAT(error.reason, HasSubstr("(it follows accuracy.tolerance_mm: 0.000001 mm)"));
 }
 
 TEST(SceneTool, ShankAndHolderExtendTheCutter) {
@@ -123,10 +120,9 @@ TEST(SceneTool, CanonicalTextReadsBackEqual) {
     for (const std::string body : {"", kBody, kProfiledHolder}) {
       const Scene scene = scene_of(shape + body);
       const std::string text = scene_json(scene);
-      const auto again = parse_scene(text, {});
-      ASSERT_TRUE(again.has_value()) << to_string(again.error());
-      EXPECT_EQ(scene_json(*again), text);
-      EXPECT_EQ(again->tools.at(1).tool, scene.tools.at(1).tool);
+      const auto again = test::value_of(parse_scene(text, {}));
+      EXPECT_EQ(scene_json(again), text);
+      EXPECT_EQ(again.tools.at(1).tool, scene.tools.at(1).tool);
       std::istringstream lines(explain_scene(scene));
       for (std::string line; std::getline(lines, line);) {
         EXPECT_FALSE(line.ends_with(' ')) << line;  // a field without help
@@ -163,11 +159,10 @@ struct BadTool {
 class BadTools : public testing::TestWithParam<BadTool> {};
 
 TEST_P(BadTools, AreRejectedWithPathAndReason) {
-  const auto scene = parse_scene(scene_with(GetParam().tool), {});
-  ASSERT_FALSE(scene.has_value());
-  EXPECT_EQ(scene.error().path, GetParam().path) << scene.error().reason;
-  EXPECT_THAT(scene.error().reason, HasSubstr(GetParam().reason));
-  EXPECT_GT(scene.error().line, 0u);
+  const auto error = test::error_of(parse_scene(scene_with(GetParam().tool), {}));
+  EXPECT_EQ(error.path, GetParam().path) << error.reason;
+  EXPECT_THAT(error.reason, HasSubstr(GetParam().reason));
+  EXPECT_GT(error.line, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -68,9 +68,8 @@ TEST(SinumerikSwivel, Cycle800TurnsThePlane) {
       "J0\n"
       "CYCLE800(1,\"TC\",0,57,0,0,0,0,0,0,0,0,0,-1)\nG0 X0 Y0\nZ9\nG1 Z8\n";
   for (const char* machine : {"tool-vector", "xyzbc-trt", "xyzac-trt"}) {
-    const auto read_program = read(program, machine);
-    ASSERT_TRUE(read_program) << to_string(read_program.error());
-    const auto& motions = read_program->motions;
+    const auto read_program = test::value_of(read(program, machine));
+    const auto& motions = read_program.motions;
     const auto near = [](Vec3 a, Vec3 b) { return length(a - b) < 1e-6; };
     // Origin: (50, 0, -10) + 1 * (0, 0, -1) + 2 * (0, 1, 0) + 3 * (1, 0, 0).
     EXPECT_TRUE(near(motions[0].from.tip_mm, {53 + 6, 2 + 5, -11 - 4})) << machine;
@@ -83,19 +82,18 @@ TEST(SinumerikSwivel, Cycle800TurnsThePlane) {
 }
 
 TEST(SinumerikSwivel, AnglesTurnAboutXYAndZInTurn) {
-  const auto program =
+  const auto program = test::value_of(
       read("CYCLE800(0,\"\",0,57,0,0,0,30,40,50,0,0,0,1)\nG0 X0 Y0 Z0\nG1 X10 F100\nZ10\n",
-           "tool-vector");
-  ASSERT_TRUE(program) << to_string(program.error());
+           "tool-vector"));
   const double rad = pi / 180, ca = std::cos(30 * rad), sa = std::sin(30 * rad),
                cb = std::cos(40 * rad), sb = std::sin(40 * rad), cc = std::cos(50 * rad),
                sc = std::sin(50 * rad);
   // Rx Ry Rz applied to X: Rz, then Ry, then Rx about the fixed axes.
   const Vec3 z{cc, sc, 0}, y{cb * z.x, z.y, -sb * z.x};
   const Vec3 x{y.x, ca * y.y - sa * y.z, sa * y.y + ca * y.z};
-  EXPECT_LT(length(program->motions[0].to.tip_mm - x * 10), 1e-5);
+  EXPECT_LT(length(program.motions[0].to.tip_mm - x * 10), 1e-5);
   const Vec3 normal{sb, -sa * cb, ca * cb};
-  EXPECT_LT(length(program->motions[1].to.tip_mm - (x + normal) * 10), 1e-5);
+  EXPECT_LT(length(program.motions[1].to.tip_mm - (x + normal) * 10), 1e-5);
 }
 
 TEST(SinumerikSwivel, RejectsUnsupportedWords) {

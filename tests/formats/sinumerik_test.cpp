@@ -134,19 +134,18 @@ TEST(Sinumerik, CyclesDrillToTheirDepth) {
 TEST(Sinumerik, TheControlFollowsTheToolWithTraori) {
   // With TRAORI the coordinates are those of the tip. Without it the table turns under them.
   const std::string turn = "TRAORI\nG1 X10 Y0 Z-2 A30 C0\n";
-  const auto program = read(kHead + turn + "M30\n", "xyzac-trt");
-  ASSERT_TRUE(program) << to_string(program.error());
-  EXPECT_EQ(program->motions.back().to.tip_mm, (Vec3{10, 0, -2}));
-  EXPECT_NEAR(program->motions.back().to.axis.y, 0.5, 1e-6);
+  const auto program = test::value_of(read(kHead + turn + "M30\n", "xyzac-trt"));
+  EXPECT_EQ(program.motions.back().to.tip_mm, (Vec3{10, 0, -2}));
+  EXPECT_NEAR(program.motions.back().to.axis.y, 0.5, 1e-6);
   EXPECT_EQ(end(turn + "TRAFOOF\nG1 X0\n", "xyzac-trt").z,
             end("G1 X10 Y0 Z-2 A30 C0\n"
                 "TRAORI\nG1 X10 Y0 Z-2\nTRAFOOF\nG1 X0\n",
                 "xyzac-trt")
                 .z);
   EXPECT_NE(end("G1 X10 Y3 Z-2 A30 C0\n", "xyzac-trt"), (Vec3{10, 3, -2}));
-  const auto vectors = read(kHead + "TRAORI\nG1 X10 Z-2 A3=0.6 B3=0 C3=0.8\nM30\n", "tool-vector");
-  ASSERT_TRUE(vectors) << to_string(vectors.error());
-  EXPECT_NEAR(vectors->motions.back().to.axis.x, 0.6, 1e-9);
+  const auto vectors =
+      test::value_of(read(kHead + "TRAORI\nG1 X10 Z-2 A3=0.6 B3=0 C3=0.8\nM30\n", "tool-vector"));
+  EXPECT_NEAR(vectors.motions.back().to.axis.x, 0.6, 1e-9);
   EXPECT_THAT(error("TRAORI\n"), HasSubstr("requires a scene whose machine is xyzac-trt"));
   EXPECT_THAT(error("TRAORI\nG1 X1 A3=0 B3=0 C3=1\n", "xyzac-trt"), HasSubstr("tool-vector"));
   EXPECT_THAT(error("G1 X1 A3=0 B3=0 C3=1\n", "tool-vector"), HasSubstr("requires TRAORI"));
@@ -170,35 +169,32 @@ TEST(Sinumerik, Cycle800WithoutAnglesRetractsOnly) {
 
 TEST(Sinumerik, ToolsHaveNumbersOrNames) {
   EXPECT_THAT(error("T99 M6\nG1 X1\n"), HasSubstr("the scene has no tool 99"));
-  const auto named = read("T=\"MILL\"\nM6\nG0 X0 Y0 Z5\nG1 X1 F100\nT=\"BALL\" M6\nG1 X2\nM30\n");
-  ASSERT_TRUE(named) << to_string(named.error());
-  EXPECT_EQ(named->motions.front().tool, 1u);
-  EXPECT_EQ(named->motions.back().tool, 2u);
-  const auto at_once = read("T2\nG0 X0 Y0 Z5\nG1 X1 F100\nM30\n");
-  ASSERT_TRUE(at_once);
-  EXPECT_EQ(at_once->motions.back().tool, 2u);
-  EXPECT_THAT(at_once->warnings, Contains(HasSubstr("T changes the tool at once")));
+  const auto named =
+      test::value_of(read("T=\"MILL\"\nM6\nG0 X0 Y0 Z5\nG1 X1 F100\nT=\"BALL\" M6\nG1 X2\nM30\n"));
+  EXPECT_EQ(named.motions.front().tool, 1u);
+  EXPECT_EQ(named.motions.back().tool, 2u);
+  const auto at_once = test::value_of(read("T2\nG0 X0 Y0 Z5\nG1 X1 F100\nM30\n"));
+  EXPECT_EQ(at_once.motions.back().tool, 2u);
+  EXPECT_THAT(at_once.warnings, Contains(HasSubstr("T changes the tool at once")));
 }
 
 TEST(Sinumerik, DwellsInSecondsAndTurns) {
-  const auto program = read(kHead + "G1 X1\nG4 F2.5\nG4 S100\nG1 X2\nM30\n");
-  ASSERT_TRUE(program) << to_string(program.error());
-  ASSERT_EQ(program->motions.size(), 4u);
-  EXPECT_NEAR(program->motions[1].duration_s, 2.5, 1e-9);
-  EXPECT_NEAR(program->motions[2].duration_s, 6, 1e-9);  // at 1,000 per minute
-  EXPECT_NEAR(program->motions[3].duration_s, 0.1, 1e-9);
+  const auto program = test::value_of(read(kHead + "G1 X1\nG4 F2.5\nG4 S100\nG1 X2\nM30\n"));
+  ASSERT_EQ(program.motions.size(), 4u);
+  EXPECT_NEAR(program.motions[1].duration_s, 2.5, 1e-9);
+  EXPECT_NEAR(program.motions[2].duration_s, 6, 1e-9);  // at 1,000 per minute
+  EXPECT_NEAR(program.motions[3].duration_s, 0.1, 1e-9);
 }
 
 TEST(Sinumerik, SpindleCoolantAndStopsAreCarried) {
   using Kind = MachineRemark::Kind;
   const auto program =
-      read("T1 M6 ; head\nS800 M3 M8\nG0 X0 Y0 Z5 ; go\nG1 X1 F100\nM1\nM5\nM30\n");
-  ASSERT_TRUE(program);
+      test::value_of(read("T1 M6 ; head\nS800 M3 M8\nG0 X0 Y0 Z5 ; go\nG1 X1 F100\nM1\nM5\nM30\n"));
   std::vector<Kind> kinds;
-  for (const ProgramRemark& remark : program->remarks) kinds.push_back(remark.said.kind);
+  for (const ProgramRemark& remark : program.remarks) kinds.push_back(remark.said.kind);
   EXPECT_THAT(kinds, ElementsAre(Kind::kSpindleClockwise, Kind::kFlood, Kind::kComment,
                                  Kind::kOptionalStop, Kind::kSpindleStop));
-  EXPECT_EQ(program->remarks.front().said.rpm, 800);
+  EXPECT_EQ(program.remarks.front().said.rpm, 800);
 }
 
 // A square of 40 mm that a tool of 10 mm follows on the outside, and on the inside from an entry
@@ -294,12 +290,10 @@ TEST(Sinumerik, RejectsUnsupportedWordsByName) {
 TEST(Sinumerik, IsRecognizedAndDerivesAScene) {
   const std::string text =
       "T=\"MILL\" M6\nMSG(\"POCKET\")\nG0 X0 Y0\nZ5\nG1 Z-2 F100\nG1 X30\nG2 X40 Y10 CR=10\nM30\n";
-  const auto program = parse_program("p.mpf", text, scene_for("xyz"));
-  ASSERT_TRUE(program) << to_string(program.error());
-  EXPECT_THAT(program->warnings, Contains(HasSubstr("read as SINUMERIK: line 1 has T=\"")));
-  const auto derived = derive_scene("p.mpf", text, {}, {});
-  ASSERT_TRUE(derived) << derived.error();
-  EXPECT_TRUE(derived->scene.tools.contains(1));
+  const auto program = test::value_of(parse_program("p.mpf", text, scene_for("xyz")));
+  EXPECT_THAT(program.warnings, Contains(HasSubstr("read as SINUMERIK: line 1 has T=\"")));
+  const auto derived = test::value_of(derive_scene("p.mpf", text, {}, {}));
+  EXPECT_TRUE(derived.scene.tools.contains(1));
   EXPECT_THAT(parse_program("p.mpf", "T1 M6\nG0 X0 Y0 Z5\nG1 X1 F1\nM2\n", scene_for("xyz"))
                   .value()
                   .read_as,

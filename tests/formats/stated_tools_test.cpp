@@ -55,10 +55,9 @@ TEST(ToolWords, NumbersInWordsCountOnlyFlutes) {
                            "6mm four end mill", "D6 end mill flutes three", "FRAISE D6 DEUX"})
     EXPECT_EQ(words(text), "? flat, diameter 6 mm, length 30 mm") << text;
   EXPECT_EQ(words("double 6"), "none");
-  const auto tool = tool_of_words("D6 double end mill", 1);
-  ASSERT_TRUE(tool);
-  EXPECT_EQ(tool->doubt, "\"DOUBLE\" is not understood");
-  EXPECT_EQ(tool->origins, ToolOrigins{});
+  const auto tool = test::value_of(tool_of_words("D6 double end mill", 1));
+  EXPECT_EQ(tool.doubt, "\"DOUBLE\" is not understood");
+  EXPECT_EQ(tool.origins, ToolOrigins{});
 }
 
 TEST(ToolWords, ReadHandWrittenComments) {

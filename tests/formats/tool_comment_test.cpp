@@ -226,12 +226,12 @@ TEST(ToolWords, AreNeverCertainWithAnUnknownWord) {
 }
 
 TEST(StatedTools, UseTheUnitStatedInComments) {
-  const auto scene = derive_scene("p.nc",
+  const auto scene =
+      test::value_of(derive_scene("p.nc",
                                   "%\nO1\n(T 1 = 1IN FACE MILL)\n(T 2 = .5 END MILL)\nG90 G17\nT2 "
                                   "M06\nG00 X-1. Y0 Z0.5\nG01 Z-.1 F10.\nG01 X1.\nM30\n",
-                                  {}, {});
-  ASSERT_TRUE(scene) << scene.error();
-  EXPECT_EQ(scene->scene.tools.at(2).tool.radius_mm, 6.35);
+                                  {}, {}));
+  EXPECT_EQ(scene.scene.tools.at(2).tool.radius_mm, 6.35);
 }
 
 TEST(StatedTools, SelectionLineMayStateOnlyASize) {
@@ -328,13 +328,13 @@ TEST(ExportedTools, ToolsWithManyPointsNeedSeveralComments) {
 }
 
 TEST(DerivedScene, ReportsTheOriginOfEachField) {
-  const auto scene = derive_scene("p.nc",
+  const auto scene =
+      test::value_of(derive_scene("p.nc",
                                   "G21\n(T1 6MM DRILL)\n(T2 AMANA 1/4 UPCUT)\n(STOCK X40 Y40 Z10)\n"
                                   "T1 M6\nG0 X0 Y0 Z5\nG1 Z-1 F9\nX9\nT2 M6\nX0\nT3 M6\nX9\nM2\n",
-                                  {}, {});
-  ASSERT_TRUE(scene) << scene.error();
+                                  {}, {}));
   const auto origin = [&](ToolId tool, const std::string& field) {
-    for (const FieldOrigin& one : scene->origins)
+    for (const FieldOrigin& one : scene.origins)
       if (one.tool == tool && one.field == field)
         return std::string(to_string(one.origin)) + " " + one.source;
     return std::string("none");
@@ -345,7 +345,7 @@ TEST(DerivedScene, ReportsTheOriginOfEachField) {
   EXPECT_EQ(origin(3, "shape"), "assumed ");
   EXPECT_EQ(origin(0, "stock.size"), "stated comment in line 4");
   EXPECT_EQ(origin(0, "machine.kinematics").substr(0, 7), "derived");
-  EXPECT_THAT(scene->notes, testing::Contains(testing::HasSubstr("\"AMANA\" is not understood")));
+  EXPECT_THAT(scene.notes, testing::Contains(testing::HasSubstr("\"AMANA\" is not understood")));
 }
 
 TEST(StatedStock, AptStockIsThatOfItsInsert) {
@@ -353,13 +353,12 @@ TEST(StatedStock, AptStockIsThatOfItsInsert) {
       stated_tools("PARTNO/1\nUNITS/INCHES\n$$-> CUTTER / 0.500000\nLOADTL/1\nGOTO/0,0,0\n", kInch);
   ASSERT_TRUE(stated.contains(1)) << "the cutter of Creo";
   EXPECT_EQ(std::get<FlatShape>(stated.at(1).shape).diameter_mm, 12.7);
-  const auto scene = derive_scene(
+  const auto scene = test::value_of(derive_scene(
       "p.apt",
       "UNIT/MM\nCUTTER/6.,0,3.,0,0,0,50.\nLOAD/TOOL,1\nINSERT/Stock Size X100. Y60. Z12.\n"
       "RAPID/\nGOTO/20,20,25.\nFEDRAT/300.,MMPM\nGOTO/20,20,-3.\nGOTO/40,20,-3.\nFINI\n",
-      {}, {});
-  ASSERT_TRUE(scene) << scene.error();
-  const BoxStock box = stock_bounds(scene->scene.settings.stock);
+      {}, {}));
+  const BoxStock box = stock_bounds(scene.scene.settings.stock);
   EXPECT_EQ(box.min_mm, (Vec3{0, 0, -12}));
   EXPECT_EQ(box.max_mm, (Vec3{100, 60, 0}));
 }

@@ -47,12 +47,11 @@ TEST(UnitQuestion, ALikelySizeIsNotQuestioned) {
 }
 
 TEST(UnitQuestion, ModelInMetersRaisesAQuestion) {
-  const auto question = unit_question("placement", "a.stl", 0.04);
-  ASSERT_TRUE(question);
-  ASSERT_EQ(question->choices.size(), 3U);
-  EXPECT_EQ(question->choices[2].unit, "m");
-  EXPECT_NEAR(question->choices[2].size_mm, 40, 1e-12);
-  EXPECT_EQ(question->text,
+  const auto question = test::value_of(unit_question("placement", "a.stl", 0.04));
+  ASSERT_EQ(question.choices.size(), 3U);
+  EXPECT_EQ(question.choices[2].unit, "m");
+  EXPECT_NEAR(question.choices[2].size_mm, 40, 1e-12);
+  EXPECT_EQ(question.text,
             "a.stl is 0.04 mm long if its numbers are mm: what is their unit? placement cm makes "
             "0.4 mm, inch makes 1.016 mm, m makes 40 mm");
   EXPECT_EQ(fields(asked(0.04, 0.05)),
@@ -61,14 +60,12 @@ TEST(UnitQuestion, ModelInMetersRaisesAQuestion) {
 
 TEST(UnitQuestion, AModelIsComparedWithItsPartner) {
   for (const double size : {0.5, 4.0, 40.0, 400.0}) {
-    const auto small = unit_question("x", "a.stl", size, 1000 * size);
-    ASSERT_TRUE(small);
-    EXPECT_EQ(small->choices.size(), 3U);
-    const auto large = unit_question("x", "a.stl", 1000 * size, size);
-    ASSERT_TRUE(large);
-    ASSERT_EQ(large->choices.size(), 1U);
-    EXPECT_EQ(large->choices[0].scale, 0.001);
-    EXPECT_NEAR(large->choices[0].size_mm, size, 1e-9);
+    const auto small = test::value_of(unit_question("x", "a.stl", size, 1000 * size));
+    EXPECT_EQ(small.choices.size(), 3U);
+    const auto large = test::value_of(unit_question("x", "a.stl", 1000 * size, size));
+    ASSERT_EQ(large.choices.size(), 1U);
+    EXPECT_EQ(large.choices[0].scale, 0.001);
+    EXPECT_NEAR(large.choices[0].size_mm, size, 1e-9);
   }
   EXPECT_EQ(fields(asked(40, 40'000)), std::vector<std::string>{"obstacles[0].placement"});
 }

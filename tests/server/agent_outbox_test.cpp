@@ -34,10 +34,9 @@ TEST(AgentOutbox, NewerResultReplacesAnUnsentOne) {
   box.put_result(stamp(1), {.agent_sequence = 1}, {});
   box.put_result(stamp(2), {.agent_sequence = 2}, later);
   ASSERT_TRUE(box.take(frame));
-  const auto message = wire::decode(frame.bytes);
-  ASSERT_TRUE(message);
-  EXPECT_EQ(std::get<wire::Result>(message->body).agent_sequence, 2U);
-  EXPECT_EQ(message->header.stamp.sequence, 2U);
+  const auto message = test::value_of(wire::decode(frame.bytes));
+  EXPECT_EQ(std::get<wire::Result>(message.body).agent_sequence, 2U);
+  EXPECT_EQ(message.header.stamp.sequence, 2U);
   EXPECT_EQ(frame.arrived, later);
   EXPECT_FALSE(box.take(frame));
 }

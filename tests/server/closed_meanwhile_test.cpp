@@ -40,9 +40,8 @@ class ClosedMeanwhile : public testing::Test {
   void purge() { EXPECT_EQ(ask("DELETE", "/v1/sessions/block?purge=1").status, 200U); }
   /// Writes the file of a journal in creation: a database without tables.
   void begin_journal() {
-    auto database = SqlDatabase::open(folder_ / "block.kerf", SqlMode::kCreate);
-    ASSERT_TRUE(database);
-    EXPECT_TRUE(database->execute("PRAGMA journal_mode=WAL"));
+    auto database = test::value_of(SqlDatabase::open(folder_ / "block.kerf", SqlMode::kCreate));
+    EXPECT_TRUE(database.execute("PRAGMA journal_mode=WAL"));
   }
 
   test::TemporaryFolder folder_;

@@ -74,9 +74,8 @@ TEST(IoThreads, AreTheExecutorOfASession) {
   auto threads = std::make_shared<IoThreads>("s:block", 1, 0);
   SessionRegistry registry(
       {folder.path(), 4, {}}, [&](const std::string&) { return threads; }, workers);
-  const auto session = registry.create("block", kScene, SceneSource{});
-  ASSERT_TRUE(session);
-  EXPECT_EQ(&net::threads_of(**session), threads.get());
+  const auto session = test::value_of(registry.create("block", kScene, SceneSource{}));
+  EXPECT_EQ(&net::threads_of(*session), threads.get());
 }
 
 }  // namespace

@@ -30,9 +30,8 @@ TEST(Crc32, MatchesTheStandardCheckValue) {
 }
 
 TEST(JournalRecord, MoveRoundTripsExactly) {
-  const auto decoded = decode_command(encode_command(some_move()));
-  ASSERT_TRUE(decoded) << decoded.error();
-  const auto& move = std::get<MoveTool>(*decoded);
+  const auto decoded = test::value_of(decode_command(encode_command(some_move())));
+  const auto& move = std::get<MoveTool>(decoded);
   EXPECT_EQ(move.tool, 7U);
   EXPECT_EQ(move.from, some_move().from);
   EXPECT_EQ(move.to, some_move().to);
@@ -41,9 +40,8 @@ TEST(JournalRecord, MoveRoundTripsExactly) {
 }
 
 TEST(JournalRecord, ToolRoundTripsWithAllPieces) {
-  const auto decoded = decode_command(encode_command(some_tool()));
-  ASSERT_TRUE(decoded) << decoded.error();
-  const auto& define = std::get<DefineTool>(*decoded);
+  const auto decoded = test::value_of(decode_command(encode_command(some_tool())));
+  const auto& define = std::get<DefineTool>(decoded);
   EXPECT_EQ(define.id, 3U);
   EXPECT_EQ(define.tool, some_tool().tool);
 }
@@ -55,9 +53,8 @@ DefineTool some_tool_with_holder() {
 }
 
 TEST(JournalRecord, ArcsAndNonCuttingPiecesRoundTrip) {
-  const auto decoded = decode_command(encode_command(some_tool_with_holder()));
-  ASSERT_TRUE(decoded) << decoded.error();
-  EXPECT_EQ(std::get<DefineTool>(*decoded).tool, some_tool_with_holder().tool);
+  const auto decoded = test::value_of(decode_command(encode_command(some_tool_with_holder())));
+  EXPECT_EQ(std::get<DefineTool> decoded.tool, some_tool_with_holder().tool);
 }
 
 TEST(JournalRecord, Layout1IsRead) {
@@ -66,18 +63,17 @@ TEST(JournalRecord, Layout1IsRead) {
   auto bytes = encode_command(some_tool());
   bytes[0] = std::byte{1};
   bytes.resize(bytes.size() - 4);
-  const auto decoded = decode_command(bytes);
-  ASSERT_TRUE(decoded) << decoded.error();
-  EXPECT_EQ(std::get<DefineTool>(*decoded).tool, some_tool().tool);
+  const auto decoded = test::value_of(decode_command(bytes));
+  EXPECT_EQ(std::get<DefineTool> decoded.tool, some_tool().tool);
 }
 
 TEST(JournalRecord, ChangesOfStrokesRoundTrip) {
   for (const bool undone : {true, false}) {
-    const auto decoded = decode_command(encode_command(StrokeChange{1ULL << 40U, undone}));
-    ASSERT_TRUE(decoded) << decoded.error();
-    EXPECT_EQ(std::get<StrokeChange>(*decoded).stroke, 1ULL << 40U);
-    EXPECT_EQ(std::get<StrokeChange>(*decoded).undone, undone);
-    EXPECT_FALSE(kernel_command(*decoded));
+    const auto decoded =
+        test::value_of(decode_command(encode_command(StrokeChange{1ULL << 40U, undone})));
+    EXPECT_EQ(std::get<StrokeChange> decoded.stroke, 1ULL << 40U);
+    EXPECT_EQ(std::get<StrokeChange> decoded.undone, undone);
+    EXPECT_FALSE(kernel_command(decoded));
   }
 }
 
@@ -98,9 +94,7 @@ TEST(JournalRecord, TrailingBytesAndUnknownLayoutsAreErrors) {
   EXPECT_FALSE(decode_command(bytes));
   bytes = encode_command(some_move());
   bytes[0] = std::byte{99};
-  const auto decoded = decode_command(bytes);
-  ASSERT_FALSE(decoded);
-  EXPECT_NE(decoded.error().find("layout 99"), std::string::npos);
+  EXPECT_NE(test::error_of(decode_command(bytes)).find("layout 99"), std::string::npos);
 }
 
 TEST(JournalRecord, ToolRejectedByTheKernelIsAnError) {

@@ -24,17 +24,16 @@ class Journal : public testing::Test {
  protected:
   /// Writes a journal of ten motions by participants 1 and 2, with one state hash.
   void write_ten() {
-    auto writer = JournalWriter::create(file, kHeader);
-    ASSERT_TRUE(writer) << describe(writer.error());
-    writer->append(JournalParticipant{1, "Ada", "#112233", "agent"});
+    auto writer = test::value_of(JournalWriter::create(file, kHeader));
+    writer.append(JournalParticipant{1, "Ada", "#112233", "agent"});
     for (int i = 1; i <= 10; ++i) {
-      const auto sequence = writer->append(static_cast<ParticipantId>(1 + i % 2), move_to(i));
-      ASSERT_TRUE(sequence);
-      EXPECT_EQ(*sequence, static_cast<std::uint64_t>(i));
-      ASSERT_TRUE(writer->flush());  // a batch for each record
+      const auto sequence =
+          test::value_of(writer.append(static_cast<ParticipantId>(1 + i % 2), move_to(i)));
+      EXPECT_EQ(sequence, static_cast<std::uint64_t>(i));
+      ASSERT_TRUE(writer.flush());  // a batch for each record
     }
-    writer->append(StateHash{10, 0xFEDCBA9876543210U});
-    ASSERT_TRUE(writer->flush());
+    writer.append(StateHash{10, 0xFEDCBA9876543210U});
+    ASSERT_TRUE(writer.flush());
   }
   void sql(const std::string& text) const {
     sqlite3* database = nullptr;
@@ -44,17 +43,15 @@ class Journal : public testing::Test {
   }
   /// Reads up to the first error, which must be kCorrupt at `sequence`.
   void expect_corrupt_at(std::uint64_t sequence) const {
-    auto reader = JournalReader::open(file);
-    ASSERT_TRUE(reader) << describe(reader.error());
+    auto reader = test::value_of(JournalReader::open(file));
     for (std::uint64_t good = 1; good < sequence; ++good) {
-      const auto record = reader->next();
+      const auto record = reader.next();
       ASSERT_TRUE(record && *record) << good;
     }
-    const auto bad = reader->next();
-    ASSERT_FALSE(bad);
-    EXPECT_EQ(bad.error().code, JournalErrorCode::kCorrupt);
-    EXPECT_EQ(bad.error().sequence, sequence);
-    EXPECT_EQ(bad.error().file, file.string());
+    const auto bad = test::error_of(reader.next());
+    EXPECT_EQ(bad.code, JournalErrorCode::kCorrupt);
+    EXPECT_EQ(bad.sequence, sequence);
+    EXPECT_EQ(bad.file, file.string());
   }
 
   test::TemporaryFolder folder;
@@ -63,34 +60,31 @@ class Journal : public testing::Test {
 
 TEST_F(Journal, RoundTrips) {
   write_ten();
-  auto reader = JournalReader::open(file);
-  ASSERT_TRUE(reader) << describe(reader.error());
-  EXPECT_EQ(reader->header().session, "demo");
-  EXPECT_EQ(reader->header().scene_json, kHeader.scene_json);
-  EXPECT_EQ(reader->header().base_folder, "/scenes");
-  ASSERT_EQ(reader->participants().size(), 1U);
-  EXPECT_EQ(reader->participants()[0].name, "Ada");
-  ASSERT_EQ(reader->state_hashes().size(), 1U);
-  EXPECT_EQ(reader->state_hashes()[0].hash, 0xFEDCBA9876543210U);
+  auto reader = test::value_of(JournalReader::open(file));
+  EXPECT_EQ(reader.header().session, "demo");
+  EXPECT_EQ(reader.header().scene_json, kHeader.scene_json);
+  EXPECT_EQ(reader.header().base_folder, "/scenes");
+  ASSERT_EQ(reader.participants().size(), 1U);
+  EXPECT_EQ(reader.participants()[0].name, "Ada");
+  ASSERT_EQ(reader.state_hashes().size(), 1U);
+  EXPECT_EQ(reader.state_hashes()[0].hash, 0xFEDCBA9876543210U);
   for (int i = 1; i <= 10; ++i) {
-    const auto record = reader->next();
+    const auto record = reader.next();
     ASSERT_TRUE(record && *record);
     EXPECT_EQ((*record)->participant, static_cast<ParticipantId>(1 + i % 2));
     EXPECT_EQ(std::get<MoveTool>((*record)->command).to, move_to(i).to);
   }
-  const auto end = reader->next();
-  ASSERT_TRUE(end);
-  EXPECT_FALSE(*end);
+  const auto end = test::value_of(reader.next());
+  EXPECT_FALSE(end);
 }
 
 TEST_F(Journal, OpenContinuesAfterTheLastRecordAndIncrementsTheEpoch) {
   write_ten();
-  auto writer = JournalWriter::open(file, 10);
-  ASSERT_TRUE(writer) << describe(writer.error());
-  EXPECT_EQ(writer->epoch(), 2U);
-  EXPECT_EQ(writer->append(1, move_to(11)).value(), 11U);
-  ASSERT_TRUE(writer->flush());
-  EXPECT_EQ(writer->lag(), 0U);
+  auto writer = test::value_of(JournalWriter::open(file, 10));
+  EXPECT_EQ(writer.epoch(), 2U);
+  EXPECT_EQ(writer.append(1, move_to(11)).value(), 11U);
+  ASSERT_TRUE(writer.flush());
+  EXPECT_EQ(writer.lag(), 0U);
   auto reader = JournalReader::open(file);
   int count = 0;
   while (reader->next().value()) ++count;
@@ -100,25 +94,23 @@ TEST_F(Journal, OpenContinuesAfterTheLastRecordAndIncrementsTheEpoch) {
 TEST_F(Journal, StoresTheProgressOfAgentsWithTheirRecords) {
   const TokenHash token = *hash_token("0123456789abcdef0123456789abcdef");
   {
-    auto writer = JournalWriter::create(file, kHeader);
-    ASSERT_TRUE(writer);
-    writer->append(JournalParticipant{1, "Ada", "#112233", "agent", token});
-    writer->append(JournalParticipant{2, "Bob", "#112233", "agent"});
-    EXPECT_EQ(writer->durable_sequence(), 0U);
+    auto writer = test::value_of(JournalWriter::create(file, kHeader));
+    writer.append(JournalParticipant{1, "Ada", "#112233", "agent", token});
+    writer.append(JournalParticipant{2, "Bob", "#112233", "agent"});
+    EXPECT_EQ(writer.durable_sequence(), 0U);
     for (int i = 1; i <= 10; ++i) {
-      ASSERT_TRUE(writer->append(1, move_to(i), {100U + static_cast<std::uint64_t>(i), false}));
-      ASSERT_TRUE(writer->append(2, move_to(i), {7, false}));
+      ASSERT_TRUE(writer.append(1, move_to(i), {100U + static_cast<std::uint64_t>(i), false}));
+      ASSERT_TRUE(writer.append(2, move_to(i), {7, false}));
     }
-    ASSERT_TRUE(writer->flush());
-    EXPECT_EQ(writer->durable_sequence(), 20U);
-    writer->append(JournalParticipant{1, "Ada again", "#112233", "agent", token});
+    ASSERT_TRUE(writer.flush());
+    EXPECT_EQ(writer.durable_sequence(), 20U);
+    writer.append(JournalParticipant{1, "Ada again", "#112233", "agent", token});
   }
-  auto reader = JournalReader::open(file);
-  ASSERT_TRUE(reader) << describe(reader.error());
-  EXPECT_EQ(reader->participants()[0].name, "Ada again");
-  EXPECT_EQ(reader->participants()[0].agent_sequence, 110U);
-  EXPECT_EQ(reader->participants()[0].token, token);
-  EXPECT_FALSE(reader->participants()[1].token);
+  auto reader = test::value_of(JournalReader::open(file));
+  EXPECT_EQ(reader.participants()[0].name, "Ada again");
+  EXPECT_EQ(reader.participants()[0].agent_sequence, 110U);
+  EXPECT_EQ(reader.participants()[0].token, token);
+  EXPECT_FALSE(reader.participants()[1].token);
   EXPECT_EQ(JournalWriter::open(file, 20)->durable_sequence(), 20U);
 }
 
@@ -127,12 +119,11 @@ TEST_F(Journal, AnAgentWhoseProgressIsDamagedMayNotResume) {
   for (const char* damage : {"agent_sequence=109", "token=zeroblob(32)", "token=x'00'", "crc=5"}) {
     std::filesystem::remove(file);
     {
-      auto writer = JournalWriter::create(file, kHeader);
-      ASSERT_TRUE(writer);
-      writer->append(JournalParticipant{1, "Ada", "#112233", "agent", token});
-      writer->append(JournalParticipant{2, "Bob", "#112233", "agent", token});
-      ASSERT_TRUE(writer->append(1, move_to(1), {110, false}));
-      ASSERT_TRUE(writer->append(2, move_to(1), {7, false}));
+      auto writer = test::value_of(JournalWriter::create(file, kHeader));
+      writer.append(JournalParticipant{1, "Ada", "#112233", "agent", token});
+      writer.append(JournalParticipant{2, "Bob", "#112233", "agent", token});
+      ASSERT_TRUE(writer.append(1, move_to(1), {110, false}));
+      ASSERT_TRUE(writer.append(2, move_to(1), {7, false}));
     }
     sql("UPDATE agents SET " + std::string(damage) + " WHERE participant=1");
     auto reader = JournalReader::open(file);
@@ -171,10 +162,9 @@ TEST_F(Journal, StoresTheKernelVersionOfItsNewestHash) {
   sql("UPDATE kernel_versions SET version=77");
   EXPECT_EQ(JournalReader::open(file)->header().kernel_version, 77);
   {
-    auto writer = JournalWriter::open(file, 10);
-    ASSERT_TRUE(writer);
-    writer->append_recarved(StateHash{10, 42});
-    ASSERT_TRUE(writer->flush());
+    auto writer = test::value_of(JournalWriter::open(file, 10));
+    writer.append_recarved(StateHash{10, 42});
+    ASSERT_TRUE(writer.flush());
   }
   const auto reader = JournalReader::open(file);
   EXPECT_EQ(reader->header().kernel_version, kKernelVersion);
@@ -186,24 +176,21 @@ TEST_F(Journal, MissingKernelVersionMeansTheFirst) {
   sql("DROP TABLE kernel_versions; PRAGMA user_version = 1");
   EXPECT_EQ(JournalReader::open(file)->header().kernel_version, kFirstKernelVersion);
   {
-    auto writer = JournalWriter::open(file, 10);
-    ASSERT_TRUE(writer) << describe(writer.error());
-    writer->append_recarved(StateHash{10, 42});
-    ASSERT_TRUE(writer->flush());
+    auto writer = test::value_of(JournalWriter::open(file, 10));
+    writer.append_recarved(StateHash{10, 42});
+    ASSERT_TRUE(writer.flush());
   }
   EXPECT_EQ(JournalReader::open(file)->header().kernel_version, kKernelVersion);
 }
 
 TEST_F(Journal, ConcurrentReaderSeesCommittedRecords) {
-  auto writer = JournalWriter::create(file, kHeader);
-  ASSERT_TRUE(writer);
-  for (int i = 1; i <= 1000; ++i) ASSERT_TRUE(writer->append(1, move_to(i)));
-  ASSERT_TRUE(writer->flush());
-  for (int i = 1001; i <= 2000; ++i) ASSERT_TRUE(writer->append(1, move_to(i)));
-  auto reader = JournalReader::open(file);
-  ASSERT_TRUE(reader);
+  auto writer = test::value_of(JournalWriter::create(file, kHeader));
+  for (int i = 1; i <= 1000; ++i) ASSERT_TRUE(writer.append(1, move_to(i)));
+  ASSERT_TRUE(writer.flush());
+  for (int i = 1001; i <= 2000; ++i) ASSERT_TRUE(writer.append(1, move_to(i)));
+  auto reader = test::value_of(JournalReader::open(file));
   int count = 0;
-  while (reader->next().value()) ++count;
+  while (reader.next().value()) ++count;
   EXPECT_GE(count, 1000);
 }
 
@@ -234,9 +221,7 @@ TEST_F(Journal, FinishClosesTheFileAndRejectsAppends) {
 
 TEST_F(Journal, CreateDoesNotOverwriteAnExistingJournal) {
   write_ten();
-  const auto again = JournalWriter::create(file, kHeader);
-  ASSERT_FALSE(again);
-  EXPECT_EQ(again.error().code, JournalErrorCode::kExists);
+  EXPECT_EQ(test::error_of(JournalWriter::create(file, kHeader)).code, JournalErrorCode::kExists);
 }
 
 TEST_F(Journal, CorruptByteIsReportedWithItsRecord) {
@@ -261,12 +246,11 @@ TEST_F(Journal, MissingRecordIsDetected) {
 TEST_F(Journal, MissingTailIsDetectedByTheNewestHash) {
   write_ten();
   sql("DELETE FROM batches WHERE first > 8");
-  auto reader = JournalReader::open(file);
-  ASSERT_TRUE(reader) << describe(reader.error());
-  EXPECT_EQ(reader->dropped_hashes(), 1U);
-  EXPECT_TRUE(reader->state_hashes().empty());
+  auto reader = test::value_of(JournalReader::open(file));
+  EXPECT_EQ(reader.dropped_hashes(), 1U);
+  EXPECT_TRUE(reader.state_hashes().empty());
   int count = 0;
-  while (reader->next().value()) ++count;
+  while (reader.next().value()) ++count;
   EXPECT_EQ(count, 8);
 }
 
@@ -277,10 +261,9 @@ TEST_F(Journal, DamageIsDetectedByParticipantToo) {
     remove_journal(file);
     write_ten();
     sql(damage);
-    auto reader = JournalReader::open(file, RecordOrder::kParticipant);
-    ASSERT_TRUE(reader);
-    auto record = reader->next();
-    while (record && *record) record = reader->next();
+    auto reader = test::value_of(JournalReader::open(file, RecordOrder::kParticipant));
+    auto record = reader.next();
+    while (record && *record) record = reader.next();
     ASSERT_FALSE(record) << damage;
     EXPECT_EQ(record.error().code, JournalErrorCode::kCorrupt);
   }
@@ -297,38 +280,29 @@ TEST_F(Journal, SwappedRecordsAreDetected) {
 TEST_F(Journal, ChangedSceneIsDetected) {
   write_ten();
   sql("UPDATE session SET scene = '{}'");
-  const auto reader = JournalReader::open(file);
-  ASSERT_FALSE(reader);
-  EXPECT_EQ(reader.error().code, JournalErrorCode::kCorrupt);
+  EXPECT_EQ(test::error_of(JournalReader::open(file)).code, JournalErrorCode::kCorrupt);
 }
 
 TEST_F(Journal, ForeignVersionIsReported) {
   write_ten();
   sql("PRAGMA user_version = 7");
-  const auto reader = JournalReader::open(file);
-  ASSERT_FALSE(reader);
-  EXPECT_EQ(reader.error().code, JournalErrorCode::kForeignVersion);
-  EXPECT_NE(reader.error().reason.find("version 7"), std::string::npos);
+  const auto error = test::error_of(JournalReader::open(file));
+  EXPECT_EQ(error.code, JournalErrorCode::kForeignVersion);
+  EXPECT_NE(error.reason.find("version 7"), std::string::npos);
 }
 
 TEST_F(Journal, DatabaseOfAnotherProgramIsNotAJournal) {
   sql("CREATE TABLE songs(name TEXT)");
-  const auto reader = JournalReader::open(file);
-  ASSERT_FALSE(reader);
-  EXPECT_EQ(reader.error().code, JournalErrorCode::kNotAJournal);
+  EXPECT_EQ(test::error_of(JournalReader::open(file)).code, JournalErrorCode::kNotAJournal);
 }
 
 TEST_F(Journal, TextFileIsNotAJournal) {
   std::ofstream(file) << std::string(5000, 'x');
-  const auto reader = JournalReader::open(file);
-  ASSERT_FALSE(reader);
-  EXPECT_EQ(reader.error().code, JournalErrorCode::kNotAJournal);
+  EXPECT_EQ(test::error_of(JournalReader::open(file)).code, JournalErrorCode::kNotAJournal);
 }
 
 TEST_F(Journal, MissingFileIsNotFound) {
-  const auto reader = JournalReader::open(file);
-  ASSERT_FALSE(reader);
-  EXPECT_EQ(reader.error().code, JournalErrorCode::kNotFound);
+  EXPECT_EQ(test::error_of(JournalReader::open(file)).code, JournalErrorCode::kNotFound);
 }
 
 TEST_F(Journal, EveryTruncationIsATypedError) {
@@ -358,10 +332,9 @@ TEST_F(Journal, CopyIsComplete) {
   for (int i = 1; i <= 50; ++i) ASSERT_TRUE(writer->append(1, move_to(i)));
   ASSERT_TRUE(writer->flush());
   ASSERT_TRUE(copy_journal(file, folder / "copy.kerf"));
-  auto reader = JournalReader::open(folder / "copy.kerf");
-  ASSERT_TRUE(reader) << describe(reader.error());
+  auto reader = test::value_of(JournalReader::open(folder / "copy.kerf"));
   int count = 0;
-  while (reader->next().value()) ++count;
+  while (reader.next().value()) ++count;
   EXPECT_EQ(count, 50);
 }
 

@@ -85,12 +85,11 @@ TEST_F(LongMotionTest, IsCompletedWhenItsParticipantLeaves) {
 TEST_F(LongMotionTest, ResumedParticipantGetsThePendingMotionInItsNextResult) {
   JoinRequest request{
       .kind = ParticipantKind::kAgent, .name = "", .color = "", .tool = 1, .durable = true};
-  const auto admission = session->admit(request);
-  ASSERT_TRUE(admission);
-  mill = admission->participant.id;
+  const auto admission = test::value_of(session->admit(request));
+  mill = admission.participant.id;
   ASSERT_FALSE(plunge());
   session->leave(mill);
-  request.token = admission->token;
+  request.token = admission.token;
   ASSERT_TRUE(session->admit(request)->resumed);
   const wire::MotionSample sample = next(0, 0, -2);
   ASSERT_FALSE(session->begin_move(mill, {&sample, 1}));
@@ -109,11 +108,10 @@ TEST_F(LongMotionTest, ProgramMotionTakesSeveralSlicesAndSurvivesCancellation) {
   for (ProgramMotion& motion : program.motions) motion.tool = 1;
   program.motions[0].from.tip_mm = program.motions[1].to.tip_mm = {0, 0, 1};
   program.motions[0].to.tip_mm = program.motions[1].from.tip_mm = {0, 0, -2};
-  const auto run = session->start_program(program, {ProgramPace::kFast});
-  ASSERT_TRUE(run);
+  const auto run = test::value_of(session->start_program(program, {ProgramPace::kFast}));
   ASSERT_TRUE(executor->run_one());
-  if (session->program(run->id)->state == ProgramState::kRunning) {
-    EXPECT_TRUE(session->cancel_program(run->id));
+  if (session->program(run.id)->state == ProgramState::kRunning) {
+    EXPECT_TRUE(session->cancel_program(run.id));
   }
   executor->run();
   executor->run_delayed();

@@ -107,9 +107,8 @@ TEST_F(PinsTest, BranchInheritsEarlierPinsOnly) {
   stroke(ada, {-15, 0, -2}, {15, 0, -2});
   pins().set(pin("after"));
   ASSERT_TRUE(session_->flush());
-  const auto branched = registry_->branch("other", *session_, record);
-  ASSERT_TRUE(branched) << branched.error().reason;
-  const auto list = (*branched)->matters().get<Pins>().list();
+  const auto branched = test::value_of(registry_->branch("other", *session_, record));
+  const auto list = branched->matters().get<Pins>().list();
   ASSERT_EQ(list.size(), 1U);
   EXPECT_EQ(list[0].text, "before");
 }
@@ -122,12 +121,10 @@ TEST_F(PinsTest, DamagedRowIsLeftOut) {
   session_.reset();
   registry_.reset();
   {
-    auto journal = open_journal(folder_->path() / "block.kerf", SqlMode::kWrite);
-    ASSERT_TRUE(journal);
-    ASSERT_TRUE(journal->execute("UPDATE pins SET x=x+1 WHERE number=2"));
-    const auto lists = read_lists(*journal, 1000);
-    ASSERT_TRUE(lists);
-    const auto& rows = lists->at("pins");
+    auto journal = test::value_of(open_journal(folder_->path() / "block.kerf", SqlMode::kWrite));
+    ASSERT_TRUE(journal.execute("UPDATE pins SET x=x+1 WHERE number=2"));
+    const auto lists = test::value_of(read_lists(journal, 1000));
+    const auto& rows = lists.at("pins");
     ASSERT_EQ(rows.size(), 1U);
     EXPECT_EQ(pin_of(rows[0]).text, "good");
   }
@@ -146,11 +143,10 @@ TEST_F(PinsTest, ARowThatNamesALaterRecordByDamageIsReported) {
     auto journal = open_journal(file, SqlMode::kWrite);
     ASSERT_TRUE(journal->execute("UPDATE pins SET record=record+1024 WHERE number=2"));
   }
-  const auto damaged = JournalReader::open(file)->damaged_rows();
-  ASSERT_TRUE(damaged);
-  ASSERT_EQ(damaged->size(), 1U);
-  EXPECT_EQ(damaged->front().table, "pins");
-  EXPECT_EQ(damaged->front().rows, 1);
+  const auto damaged = test::value_of(JournalReader::open(file)->damaged_rows());
+  ASSERT_EQ(damaged.size(), 1U);
+  EXPECT_EQ(damaged.front().table, "pins");
+  EXPECT_EQ(damaged.front().rows, 1);
 }
 
 TEST(PlainText, IsUtf8WithoutControlCharacters) {

@@ -126,17 +126,17 @@ constexpr const char* kShankScene = R"({
 
 TEST_F(SessionTest, CrashingProgramListsAlarmsWithPositions) {
   const auto session = start(kShankScene);
-  const auto program = parse_program("crash.ngc",
-                                     "G21 G90 T1 M6\n"  // line 1
-                                     "G0 X-30 Y0 Z-2\n"
-                                     "G0 X0\n"        // through the stock
-                                     "G0 Z9\n"        // out of it
-                                     "G0 Y10\n"       // line 5
-                                     "G1 Z-6 F600\n"  // 2 mm deeper than the tool cuts
-                                     "G1 Z9\nM2\n",
-                                     session->scene());
-  ASSERT_TRUE(program);
-  const auto id = session->start_program(*program, {})->id;
+  const auto program =
+      test::value_of(parse_program("crash.ngc",
+                                   "G21 G90 T1 M6\n"  // line 1
+                                   "G0 X-30 Y0 Z-2\n"
+                                   "G0 X0\n"        // through the stock
+                                   "G0 Z9\n"        // out of it
+                                   "G0 Y10\n"       // line 5
+                                   "G1 Z-6 F600\n"  // 2 mm deeper than the tool cuts
+                                   "G1 Z9\nM2\n",
+                                   session->scene()));
+  const auto id = session->start_program(program, {})->id;
   while (session->program(id)->state == ProgramState::kRunning) executor->run();
   const ProgramStatus status = *session->program(id);
   EXPECT_EQ(status.state, ProgramState::kFinished);

@@ -34,9 +34,8 @@ Carved slow_cut(const ProgramStep&) {
 TEST(ProgramRuns, FastProgramIsCarvedInSlices) {
   ProgramRuns runs;
   const auto id = runs.start(1, program_of(50), {ProgramPace::kFast}, Clock::now()).id;
-  const auto wait = runs.slice(slow_cut);
-  ASSERT_TRUE(wait);
-  EXPECT_EQ(wait->count(), 0);
+  const auto wait = test::value_of(runs.slice(slow_cut));
+  EXPECT_EQ(wait.count(), 0);
   EXPECT_LT(runs.status(id)->motions_done, 10U);
   while (runs.slice(slow_cut)) {
   }
@@ -101,15 +100,14 @@ TEST(ProgramRuns, EndedProgramReleasesItsMemory) {
 
 TEST(MemoryBudget, SharesAreTakenAndReturned) {
   MemoryBudget budget(100);
-  auto one = budget.take(60);
-  ASSERT_TRUE(one);
+  auto one = test::value_of(budget.take(60));
   EXPECT_FALSE(budget.take(41));
   auto two = budget.take(40);
   ASSERT_TRUE(two);
   EXPECT_FALSE(budget.take(1));
-  one->reduce(10);
-  one->reduce(20);
-  EXPECT_EQ(one->bytes(), 10U);
+  one.reduce(10);
+  one.reduce(20);
+  EXPECT_EQ(one.bytes(), 10U);
   EXPECT_EQ(budget.taken(), 50U);
   MemoryBudget::Share moved = std::move(*two);
   two.reset();
@@ -152,9 +150,8 @@ TEST(ProgramRuns, FeedRateMotionIsCarvedWhenItsTimeHasPassed) {
   const auto early = runs.start(1, program_of(3, 1000), {ProgramPace::kFeed}, start).id;
   const auto late =
       runs.start(2, program_of(3, 1), {ProgramPace::kFeed}, start - std::chrono::seconds(100)).id;
-  const auto wait = runs.slice(quick_cut);
-  ASSERT_TRUE(wait);
-  EXPECT_GT(wait->count(), 0);
+  const auto wait = test::value_of(runs.slice(quick_cut));
+  EXPECT_GT(wait.count(), 0);
   EXPECT_EQ(runs.status(early)->motions_done, 0U);
   EXPECT_EQ(runs.status(late)->state, ProgramState::kFinished);
 }

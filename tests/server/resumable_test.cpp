@@ -27,9 +27,8 @@ class ResumableTest : public SessionTest {
   /// Lets more agents join with their own tokens than are kept in memory.
   void crowd() {
     for (std::size_t n = 0; n < Resumable::kKept + 16; ++n) {
-      const auto other = admit("", "Eve");
-      ASSERT_TRUE(other) << other.error().reason;
-      session->leave(other->participant.id);
+      const auto other = test::value_of(admit("", "Eve"));
+      session->leave(other.participant.id);
     }
   }
   void reload() {
@@ -98,14 +97,12 @@ TEST_F(ResumableTest, AnAgentWhoseRowIsDamagedJoinsAsANewOne) {
   session->leave(ada->participant.id);
   crowd();
   ASSERT_TRUE(session->flush());
-  auto database = SqlDatabase::open(session->journal_file(), SqlMode::kWrite);
-  ASSERT_TRUE(database);
-  ASSERT_TRUE(database->execute("UPDATE agents SET crc=crc+1 WHERE participant=" +
-                                std::to_string(ada->participant.id)));
-  const auto again = admit(ada->token);
-  ASSERT_TRUE(again);
-  EXPECT_FALSE(again->resumed);
-  EXPECT_NE(again->participant.id, ada->participant.id);
+  auto database = test::value_of(SqlDatabase::open(session->journal_file(), SqlMode::kWrite));
+  ASSERT_TRUE(database.execute("UPDATE agents SET crc=crc+1 WHERE participant=" +
+                               std::to_string(ada->participant.id)));
+  const auto again = test::value_of(admit(ada->token));
+  EXPECT_FALSE(again.resumed);
+  EXPECT_NE(again.participant.id, ada->participant.id);
 }
 
 TEST_F(ResumableTest, RecallIsRetriedUntilCommitted) {

@@ -54,23 +54,21 @@ TEST_F(Branches, BeginAsTheParentWasToTheBit) {
   const std::uint64_t now = hash(), last = session_->sequence();
   int number = 0;
   for (const std::uint64_t record : {last, a_ + 3, b_ + 20, c_, last - 1}) {
-    const auto other = branch("branch" + std::to_string(++number), record);
-    ASSERT_TRUE(other);
-    EXPECT_EQ(other->solid().hash(), hash_at(record)) << record;
-    EXPECT_EQ(other->sequence(), record);
-    EXPECT_EQ(other->parent().session, "block");
-    EXPECT_EQ(other->parent().record, record);
-    EXPECT_EQ(other->parent().epoch, session_->epoch());
-    EXPECT_EQ(other->matters().record_named("early").has_value(), record >= b_);
-    EXPECT_EQ(other->matters().record_named("late").has_value(), record == last);
-    const std::int64_t ms = time_of(other->journal_file(), record - 1).value() -
+    const auto other = test::value_of(branch("branch" + std::to_string(++number), record));
+    EXPECT_EQ(other.solid().hash(), hash_at(record)) << record;
+    EXPECT_EQ(other.sequence(), record);
+    EXPECT_EQ(other.parent().session, "block");
+    EXPECT_EQ(other.parent().record, record);
+    EXPECT_EQ(other.parent().epoch, session_->epoch());
+    EXPECT_EQ(other.matters().record_named("early").has_value(), record >= b_);
+    EXPECT_EQ(other.matters().record_named("late").has_value(), record == last);
+    const std::int64_t ms = time_of(other.journal_file(), record - 1).value() -
                             time_of(session_->journal_file(), record - 1).value();
     EXPECT_LE(std::abs(ms), 1);
-    const auto verified = verify_journal(other->journal_file());
-    ASSERT_TRUE(verified) << describe(verified.error());
-    EXPECT_EQ(verified->difference, "");
-    EXPECT_EQ(verified->hash, hash_at(record));
-    close(other->id());
+    const auto verified = test::value_of(verify_journal(other.journal_file()));
+    EXPECT_EQ(verified.difference, "");
+    EXPECT_EQ(verified.hash, hash_at(record));
+    close(other.id());
   }
   EXPECT_EQ(hash(), now);
   EXPECT_EQ(session_->sequence(), last);
@@ -122,14 +120,12 @@ TEST_F(Branches, HaveNoAgentsOfTheParent) {
   create();
   JoinRequest request{ParticipantKind::kAgent, "Ada", "", 1, true};
   request.durable = true;
-  const auto admitted = session_->admit(request);
-  ASSERT_TRUE(admitted);
-  request.token = admitted->token;
+  const auto admitted = test::value_of(session_->admit(request));
+  request.token = admitted.token;
   session_ = branch("other", session_->sequence());
-  const auto joined = session_->admit(request);
-  ASSERT_TRUE(joined);
-  EXPECT_FALSE(joined->resumed);
-  EXPECT_GT(joined->participant.id, admitted->participant.id);
+  const auto joined = test::value_of(session_->admit(request));
+  EXPECT_FALSE(joined.resumed);
+  EXPECT_GT(joined.participant.id, admitted.participant.id);
 }
 
 TEST_F(Branches, FromVersion1HaveItsRecords) {
@@ -144,13 +140,12 @@ TEST_F(Branches, FromVersion1HaveItsRecords) {
   const JournalHeader header = reader->header();
   const auto old = folder_->path() / "old.kerf", copy = folder_->path() / "copy.kerf";
   {
-    auto database = create_journal(old, header);
-    ASSERT_TRUE(database);
-    ASSERT_TRUE(database->execute(
+    auto database = test::value_of(create_journal(old, header));
+    ASSERT_TRUE(database.execute(
         "DROP TABLE batches; DROP TABLE versions; CREATE TABLE commands(sequence INTEGER PRIMARY "
         "KEY, participant INTEGER NOT NULL, bytes BLOB NOT NULL, crc INTEGER NOT NULL); PRAGMA "
         "user_version=1"));
-    auto insert = database->prepare("INSERT INTO commands VALUES(?,?,?,?)");
+    auto insert = database.prepare("INSERT INTO commands VALUES(?,?,?,?)");
     for (std::size_t n = 0; n < records.size(); ++n) {
       const auto bytes = encode_command(records[n].command);
       insert->bind(1, static_cast<std::int64_t>(n + 1));
@@ -206,9 +201,8 @@ class LargeJournal : public testing::Test {
   static constexpr int kRows = 40;
   static constexpr std::size_t kRowBytes = 100'000;
   void SetUp() override {
-    auto database = create_journal(file_, {"large", "{}", {}});
-    ASSERT_TRUE(database);
-    auto insert = database->prepare("INSERT INTO batches VALUES(?,1,0,0,?,0)");
+    auto database = test::value_of(create_journal(file_, {"large", "{}", {}}));
+    auto insert = database.prepare("INSERT INTO batches VALUES(?,1,0,0,?,0)");
     const std::vector<std::byte> bytes(kRowBytes, std::byte{7});
     for (int row = 1; row <= kRows; ++row) {
       insert->bind(1, std::int64_t{row});

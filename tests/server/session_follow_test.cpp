@@ -21,15 +21,12 @@ class SessionFollow : public SessionUndo {
   void follow() {
     ASSERT_TRUE(session_->flush());
     changes_.emplace(session_->journal_file());
-    auto copy = JournalCopy::create(copied_);
-    ASSERT_TRUE(copy);
-    pass_on(*copy);
-    const auto position = copy->finish();
-    ASSERT_TRUE(position);
-    copy_ = JournalCopy::resume(copied_, *position).value();
-    auto followed = servers_.follow("block");
-    ASSERT_TRUE(followed) << describe(followed.error());
-    follower_ = *followed;
+    auto copy = test::value_of(JournalCopy::create(copied_));
+    pass_on(copy);
+    const auto position = test::value_of(copy.finish());
+    copy_ = JournalCopy::resume(copied_, position).value();
+    auto followed = test::value_of(servers_.follow("block"));
+    follower_ = followed;
   }
   void pass_on(JournalCopy& copy) {
     for (auto change = changes_->next(); *change; change = changes_->next()) {
@@ -169,10 +166,9 @@ TEST_F(SessionFollow, JournalCanBeContinuedByAServer) {
   servers_.expect("block");
   servers_.open("block", report);
   EXPECT_TRUE(report.failures.empty());
-  const auto opened = servers_.find("block");
-  ASSERT_TRUE(opened);
-  EXPECT_EQ(run_and_wait(opened->executor(), [&] { return opened->solid().hash(); }), expected);
-  EXPECT_FALSE(opened->is_followed());
+  const auto opened = test::value_of(servers_.find("block"));
+  EXPECT_EQ(run_and_wait(opened.executor(), [&] { return opened.solid().hash(); }), expected);
+  EXPECT_FALSE(opened.is_followed());
 }
 
 TEST_F(SessionFollow, OnlyTheOwnersRecordsChangeIt) {
@@ -192,10 +188,9 @@ TEST_F(SessionFollow, OnlyTheOwnersRecordsChangeIt) {
   ASSERT_FALSE(answer.rejections.empty());
   EXPECT_EQ(answer.rejections.front().code, wire::ErrorCode::kNotAllowed);
   SerialWorkers alone;
-  const auto undone = follower_->stroke_changes().change(
-      {.undone = true, .participant = ada, .caller = Caller::local()}, alone);
-  ASSERT_FALSE(undone);
-  EXPECT_EQ(undone.error().code, wire::ErrorCode::kNotAllowed);
+  const auto error = test::error_of(follower_->stroke_changes().change(
+      {.undone = true, .participant = ada, .caller = Caller::local()}, alone));
+  EXPECT_EQ(error.code, wire::ErrorCode::kNotAllowed);
   EXPECT_EQ(followers_hash(), before);
   EXPECT_EQ(before, hash());
 }
@@ -212,9 +207,8 @@ TEST_F(SessionFollow, DifferenceFromTheOwnerIsDetected) {
   };
   EXPECT_TRUE(compare({last, own}).value_or(false));
   EXPECT_FALSE(compare({last - 1, own + 1}).value_or(true)) << "of another solid";
-  const auto other = compare({last, own + 1});
-  ASSERT_FALSE(other);
-  EXPECT_NE(other.error().find("at its owner"), std::string::npos) << other.error();
+  const auto error = test::error_of(compare({last, own + 1}));
+  EXPECT_NE(error.find("at its owner"), std::string::npos) << error;
 }
 
 TEST_F(SessionFollow, ViewersSeeTheOwnersParticipants) {
@@ -234,15 +228,14 @@ TEST_F(SessionFollow, ViewersSeeTheOwnersParticipants) {
   program.error = "line 3";
   stated.programs = {program};
   const auto bytes = encode_live(stated);
-  auto read = decode_live(bytes);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->tools, stated.tools);
-  EXPECT_EQ(read->viewers, stated.viewers);
+  auto read = test::value_of(decode_live(bytes));
+  EXPECT_EQ(read.tools, stated.tools);
+  EXPECT_EQ(read.viewers, stated.viewers);
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     EXPECT_FALSE(decode_live(std::span(bytes).first(size))) << size;
   }
   const auto frame = on_follower([&] {
-    follower_->follow_live(*read, 2);
+    follower_->follow_live(read, 2);
     return follower_->frame(false);
   });
   EXPECT_EQ(frame.tools, stated.tools);

@@ -66,15 +66,14 @@ TEST_F(SessionRightsTest, AMutedParticipantCutsNothingUntilUnmuted) {
 TEST_F(SessionRightsTest, MuteAppliesToThePersonAndAfterResuming) {
   JoinRequest request{ParticipantKind::kAgent, "Ada", "", 0, true};
   request.durable = true;
-  const auto admission = session->admit(request);
-  ASSERT_TRUE(admission);
+  const auto admission = test::value_of(session->admit(request));
   const auto one = join_as(Role::kSculptor, "pass"), other = join_as(Role::kSculptor, "pass");
   ASSERT_TRUE(session->set_muted(one->id, true));
   EXPECT_TRUE(session->participant(other->id)->is_muted);
-  EXPECT_FALSE(session->participant(admission->participant.id)->is_muted);
-  ASSERT_TRUE(session->set_muted(admission->participant.id, true));
-  session->leave(admission->participant.id);
-  request.token = admission->token;
+  EXPECT_FALSE(session->participant(admission.participant.id)->is_muted);
+  ASSERT_TRUE(session->set_muted(admission.participant.id, true));
+  session->leave(admission.participant.id);
+  request.token = admission.token;
   const auto again = session->admit(request);
   ASSERT_TRUE(again && again->resumed);
   EXPECT_TRUE(again->participant.is_muted);
@@ -83,18 +82,16 @@ TEST_F(SessionRightsTest, MuteAppliesToThePersonAndAfterResuming) {
 TEST_F(SessionRightsTest, ARemovedAgentCannotResume) {
   JoinRequest request{ParticipantKind::kAgent, "Ada", "", 0, true};
   request.durable = true;
-  const auto admission = session->admit(request);
-  ASSERT_TRUE(admission);
+  const auto admission = test::value_of(session->admit(request));
   SessionEvent seen;
   session->listen([&](const SessionEvent& event) { seen = event; });
-  ASSERT_TRUE(session->remove(admission->participant.id, "too loud"));
-  EXPECT_EQ(seen.removed, admission->participant.id);
+  ASSERT_TRUE(session->remove(admission.participant.id, "too loud"));
+  EXPECT_EQ(seen.removed, admission.participant.id);
   EXPECT_EQ(seen.closing, "too loud");
-  session->leave(admission->participant.id);
-  request.token = admission->token;
-  const auto again = session->admit(request);
-  ASSERT_TRUE(again);
-  EXPECT_FALSE(again->resumed);
+  session->leave(admission.participant.id);
+  request.token = admission.token;
+  const auto again = test::value_of(session->admit(request));
+  EXPECT_FALSE(again.resumed);
   EXPECT_FALSE(session->remove(99, ""));
 }
 
@@ -189,9 +186,8 @@ TEST_F(SessionRightsTest, DemotedSculptorStopsCutting) {
 TEST_F(SessionRightsTest, GuestsAreLimitedInNumberAndSpeed) {
   std::vector<ParticipantId> guests;
   for (std::size_t n = 0; n < limits.guest_agents_max; ++n) {
-    const auto guest = join_as(Role::kGuest);
-    ASSERT_TRUE(guest) << guest.error().reason;
-    guests.push_back(guest->id);
+    const auto guest = test::value_of(join_as(Role::kGuest));
+    guests.push_back(guest.id);
   }
   EXPECT_EQ(join_as(Role::kGuest).error().code, ErrorCode::kBusy);
   EXPECT_TRUE(join_as(Role::kGuest, "", ParticipantKind::kViewer));

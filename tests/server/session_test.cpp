@@ -68,17 +68,15 @@ TEST_F(SessionTest, AppliesMotionsAndJournalsThem) {
   EXPECT_EQ(session->info().motions, 200U);
   EXPECT_GT(session->info().removed_mm3, 100);
   ASSERT_TRUE(session->flush());
-  auto reader = JournalReader::open(session->journal_file());
-  ASSERT_TRUE(reader);
+  auto reader = test::value_of(JournalReader::open(session->journal_file()));
   int moves = 0;
   for (;;) {
-    const auto record = reader->next();
-    ASSERT_TRUE(record);
-    if (!record->has_value()) break;
-    moves += std::holds_alternative<MoveTool>((*record)->command) ? 1 : 0;
+    const auto record = test::value_of(reader.next());
+    if (!record.has_value()) break;
+    moves += std::holds_alternative<MoveTool>(record->command) ? 1 : 0;
   }
   EXPECT_EQ(moves, 200);
-  EXPECT_EQ(reader->participants().at(0).name, "Ada");
+  EXPECT_EQ(reader.participants().at(0).name, "Ada");
 }
 
 TEST_F(SessionTest, ReplayGivesTheSameHash) {
@@ -86,10 +84,9 @@ TEST_F(SessionTest, ReplayGivesTheSameHash) {
   carve_circle(*session, join(*session));
   const std::uint64_t hash = session->solid().hash();
   ASSERT_TRUE(session->flush());
-  const auto replayed = replay(session->journal_file());
-  ASSERT_TRUE(replayed) << describe(replayed.error());
-  EXPECT_EQ(replayed->hash.hash, hash);
-  EXPECT_EQ(replayed->last_sequence, session->sequence());
+  const auto replayed = test::value_of(replay(session->journal_file()));
+  EXPECT_EQ(replayed.hash.hash, hash);
+  EXPECT_EQ(replayed.last_sequence, session->sequence());
 }
 
 TEST_F(SessionTest, ReplayOfATriDexelBlockGivesTheSameHash) {
@@ -100,10 +97,9 @@ TEST_F(SessionTest, ReplayOfATriDexelBlockGivesTheSameHash) {
   const SolidSnapshot solid = session->solid();
   EXPECT_EQ(solid.fields.size(), 3U);
   ASSERT_TRUE(session->flush());
-  const auto replayed = replay(session->journal_file());
-  ASSERT_TRUE(replayed) << describe(replayed.error());
-  EXPECT_EQ(replayed->scene.settings.rays, Rays::kTriDexel);
-  EXPECT_EQ(replayed->hash.hash, solid.hash());
+  const auto replayed = test::value_of(replay(session->journal_file()));
+  EXPECT_EQ(replayed.scene.settings.rays, Rays::kTriDexel);
+  EXPECT_EQ(replayed.hash.hash, solid.hash());
 }
 
 TEST_F(SessionTest, ReplayFailsIfAStateHashDiffers) {
@@ -111,10 +107,9 @@ TEST_F(SessionTest, ReplayFailsIfAStateHashDiffers) {
   carve_circle(*session, join(*session));
   session->note_hash({session->sequence(), 0xBAD});
   ASSERT_TRUE(session->flush());
-  const auto replayed = replay(session->journal_file());
-  ASSERT_FALSE(replayed);
-  EXPECT_EQ(replayed.error().code, JournalErrorCode::kCorrupt);
-  EXPECT_NE(replayed.error().reason.find("0000000000000bad"), std::string::npos);
+  const auto error = test::error_of(replay(session->journal_file()));
+  EXPECT_EQ(error.code, JournalErrorCode::kCorrupt);
+  EXPECT_NE(error.reason.find("0000000000000bad"), std::string::npos);
 }
 
 TEST_F(SessionTest, RegistryRestoresSessions) {
@@ -129,20 +124,18 @@ TEST_F(SessionTest, RegistryRestoresSessions) {
   const LoadReport report = registry->load_all();
   EXPECT_TRUE(report.failures.empty());
   EXPECT_TRUE(report.recarved.empty());
-  const auto session = registry->find("block");
-  ASSERT_TRUE(session);
-  EXPECT_EQ(session->current_hash()->hash, hash);
-  EXPECT_EQ(session->epoch(), 3U);  // created, started, started again
-  EXPECT_GT(join(*session), 1U);
+  const auto session = test::value_of(registry->find("block"));
+  EXPECT_EQ(session.current_hash()->hash, hash);
+  EXPECT_EQ(session.epoch(), 3U);  // created, started, started again
+  EXPECT_GT(join(session), 1U);
 }
 
 /// Stores data of another kernel version: its version, and a hash that this kernel does not
 /// compute.
 void pretend_kernel_version(const std::filesystem::path& file, const std::string& statement) {
-  auto database = SqlDatabase::open(file, SqlMode::kWrite);
-  ASSERT_TRUE(database);
-  ASSERT_TRUE(database->execute(statement)) << statement;
-  ASSERT_TRUE(database->execute("UPDATE state_hashes SET hash=2989"));
+  auto database = test::value_of(SqlDatabase::open(file, SqlMode::kWrite));
+  ASSERT_TRUE(database.execute(statement)) << statement;
+  ASSERT_TRUE(database.execute("UPDATE state_hashes SET hash=2989"));
 }
 
 TEST_F(SessionTest, JournalOfAnotherKernelIsRecarvedOnceAndKeepsItsNewHash) {
@@ -169,9 +162,8 @@ TEST_F(SessionTest, JournalOfAnotherKernelIsRecarvedOnceAndKeepsItsNewHash) {
     EXPECT_EQ(registry->find("block")->current_hash()->hash, hash);
     ASSERT_TRUE(registry->find("block")->flush());
     // From now on the journal belongs to this kernel.
-    const auto again = replay(file);
-    ASSERT_TRUE(again) << describe(again.error());
-    EXPECT_FALSE(again->is_recarved());
+    const auto again = test::value_of(replay(file));
+    EXPECT_FALSE(again.is_recarved());
     const auto reader = JournalReader::open(file);
     EXPECT_EQ(reader->header().kernel_version, kKernelVersion);
     EXPECT_EQ(reader->state_hashes().back().hash, hash);
@@ -255,20 +247,18 @@ TEST_F(SessionTest, AgentsAreServedBetweenProgramSlices) {
   const auto id = join(*session);
   std::string text = "G21 G90 T2 M6\n";
   for (int i = 0; i < 3000; ++i) text += "G1 X" + std::to_string(i % 30) + " Y0 Z-1 F1000\n";
-  const auto program = parse_program("long.ngc", text + "M2\n", session->scene());
-  ASSERT_TRUE(program) << to_string(program.error());
-  const auto run = session->start_program(*program, {ProgramPace::kFast});
-  ASSERT_TRUE(run);
+  const auto program = test::value_of(parse_program("long.ngc", text + "M2\n", session->scene()));
+  const auto run = test::value_of(session->start_program(program, {ProgramPace::kFast}));
   executor->run_one();
-  EXPECT_EQ(session->program(run->id)->state, ProgramState::kRunning);
+  EXPECT_EQ(session->program(run.id)->state, ProgramState::kRunning);
   EXPECT_LE(executor->waiting(), 2U);  // the next slice runs after work that agents post now
   move(*session, id, 0, 0, -1);
   EXPECT_GT(move(*session, id, 0, 1, -1).result.motions_applied, 0U);
   executor->run_one();
   EXPECT_EQ(executor->waiting(), 0U);  // an agent is moving: the next slice waits for a pause
   EXPECT_GE(executor->last_delay.count(), 200);
-  while (session->program(run->id)->state == ProgramState::kRunning) executor->run_delayed();
-  EXPECT_EQ(session->program(run->id)->state, ProgramState::kFinished);
+  while (session->program(run.id)->state == ProgramState::kRunning) executor->run_delayed();
+  EXPECT_EQ(session->program(run.id)->state, ProgramState::kFinished);
   EXPECT_EQ(session->participants().size(), 1U);
 }
 
@@ -279,10 +269,9 @@ TEST_F(SessionTest, ProgramWithUnknownToolCutsNothing) {
   program.motions.resize(1);
   program.motions[0].tool = 9;
   program.motions[0].line = 4;
-  const auto run = session->start_program(program, {ProgramPace::kFast});
-  ASSERT_FALSE(run);
-  EXPECT_EQ(run.error().code, wire::ErrorCode::kUnknownTool);
-  EXPECT_NE(run.error().reason.find("x.ngc:4"), std::string::npos);
+  const auto error = test::error_of(session->start_program(program, {ProgramPace::kFast}));
+  EXPECT_EQ(error.code, wire::ErrorCode::kUnknownTool);
+  EXPECT_NE(error.reason.find("x.ngc:4"), std::string::npos);
 }
 
 TEST_F(SessionTest, ExportedProgramCarvesTheSameSolid) {
@@ -296,14 +285,12 @@ TEST_F(SessionTest, ExportedProgramCarvesTheSameSolid) {
   for (const auto format : {ProgramFormat::kGcode, ProgramFormat::kApt}) {
     std::stringstream text;
     ASSERT_TRUE(export_program(session->journal_file(), {.style = {.format = format}}, text));
-    const auto program = parse_program(format == ProgramFormat::kApt ? "x.apt" : "x.ngc",
-                                       text.str(), session->scene());
-    ASSERT_TRUE(program) << to_string(program.error());
-    const auto other = registry->create("", kScene, SceneSource{});
-    ASSERT_TRUE(other);
-    ASSERT_TRUE((*other)->start_program(*program, {ProgramPace::kFast}));
+    const auto program = test::value_of(parse_program(
+        format == ProgramFormat::kApt ? "x.apt" : "x.ngc", text.str(), session->scene()));
+    const auto other = test::value_of(registry->create("", kScene, SceneSource{}));
+    ASSERT_TRUE(other->start_program(program, {ProgramPace::kFast}));
     executor->run();
-    EXPECT_EQ((*other)->solid().hash(), session->solid().hash());
+    EXPECT_EQ(other->solid().hash(), session->solid().hash());
   }
 }
 
@@ -333,12 +320,11 @@ TEST_F(SessionTest, ExceededLimitsGiveTypedRejections) {
   const auto session = start();
   join(*session);
   join(*session);
-  const auto third = session->join({ParticipantKind::kAgent, "Third", "", 1, true});
-  ASSERT_FALSE(third);
-  EXPECT_EQ(third.error().code, wire::ErrorCode::kBusy);
-  const auto named = session->join({ParticipantKind::kViewer, std::string(65, 'x'), "", 0, true});
-  ASSERT_FALSE(named);
-  EXPECT_EQ(named.error().code, wire::ErrorCode::kTooLarge);
+  const auto error = test::error_of(session->join({ParticipantKind::kAgent, "Third", "", 1, true}));
+  EXPECT_EQ(error.code, wire::ErrorCode::kBusy);
+  const auto named =
+      test::error_of(session->join({ParticipantKind::kViewer, std::string(65, 'x'), "", 0, true}));
+  EXPECT_EQ(named.code, wire::ErrorCode::kTooLarge);
 }
 
 TEST_F(SessionTest, ClosedSessionAppliesNothing) {
@@ -357,24 +343,21 @@ TEST_F(SessionTest, ClosedSessionAppliesNothing) {
 TEST_F(SessionTest, BlockWithTooManyTilesIsRejected) {
   std::string scene = kScene;
   scene.replace(scene.find("0.5"), 3, "0.001");
-  const auto rejected = registry->create("fine", scene, SceneSource{});
-  ASSERT_FALSE(rejected);
-  EXPECT_EQ(rejected.error().code, RegistryErrorCode::kBadScene);
-  EXPECT_EQ(rejected.error().path, "accuracy.pitch_mm");
-  EXPECT_NE(rejected.error().reason.find("1562500 tiles"), std::string::npos);
+  const auto error = test::error_of(registry->create("fine", scene, SceneSource{}));
+  EXPECT_EQ(error.code, RegistryErrorCode::kBadScene);
+  EXPECT_EQ(error.path, "accuracy.pitch_mm");
+  EXPECT_NE(error.reason.find("1562500 tiles"), std::string::npos);
 }
 
 TEST_F(SessionTest, RegistryDerivesIdsAndLimitsTheNumberOfSessions) {
   EXPECT_EQ((*registry->create("", kScene, SceneSource{}))->id(), "test-block");
   EXPECT_EQ((*registry->create("", kScene, SceneSource{}))->id(), "test-block-2");
-  const auto bad = registry->create("", "{\"name\": 1}", SceneSource{});
-  ASSERT_FALSE(bad);
-  EXPECT_EQ(bad.error().code, RegistryErrorCode::kBadScene);
+  const auto error = test::error_of(registry->create("", "{\"name\": 1}", SceneSource{}));
+  EXPECT_EQ(error.code, RegistryErrorCode::kBadScene);
   EXPECT_TRUE(registry->create("three", kScene, SceneSource{}));
   EXPECT_TRUE(registry->create("four", kScene, SceneSource{}));
-  const auto fifth = registry->create("five", kScene, SceneSource{});
-  ASSERT_FALSE(fifth);
-  EXPECT_EQ(fifth.error().code, RegistryErrorCode::kTooMany);
+  const auto fifth = test::error_of(registry->create("five", kScene, SceneSource{}));
+  EXPECT_EQ(fifth.code, RegistryErrorCode::kTooMany);
   EXPECT_EQ(registry->list().size(), 4U);
 }
 

@@ -78,9 +78,8 @@ TEST_F(SessionUndo, NewestStrokeIsThatAtTheRequest) {
       executor_->run();
     }
   }
-  const auto undone = newest.get();
-  ASSERT_TRUE(undone) << undone.error().reason;
-  EXPECT_EQ(undone->strokes, std::vector{a});
+  const auto undone = test::value_of(newest.get());
+  EXPECT_EQ(undone.strokes, std::vector{a});
   executor_->run();
   EXPECT_EQ(hash(), never_happened());
 }
@@ -185,10 +184,9 @@ class ResumedUndo : public SessionUndo {
     SessionUndo::SetUp();
     create();
     request_.durable = true;
-    const auto admitted = session_->admit(request_);
-    ASSERT_TRUE(admitted);
-    ada_ = admitted->participant.id;
-    request_.token = admitted->token;
+    const auto admitted = test::value_of(session_->admit(request_));
+    ada_ = admitted.participant.id;
+    request_.token = admitted.token;
     move(ada_, {-10, 0, 1}, false);
     for (int n = 0; n < 5; ++n) move(ada_, {-10.0 + n, 0, -1});
     EXPECT_TRUE(session_->flush());
@@ -202,9 +200,8 @@ class ResumedUndo : public SessionUndo {
 TEST_F(ResumedUndo, ResumingAfterARestartBeginsAStroke) {
   EXPECT_EQ(hash(), never_happened());
   reload();
-  const auto resumed = session_->admit(request_);
-  ASSERT_TRUE(resumed);
-  ASSERT_TRUE(resumed->resumed);
+  const auto resumed = test::value_of(session_->admit(request_));
+  ASSERT_TRUE(resumed.resumed);
   // A sample that the session already has places the tool, so that the next motion begins there.
   --sequences_[ada_];
   move(ada_, {-6, 0, -1});
@@ -236,11 +233,10 @@ TEST_F(SessionUndo, ARestartGivesTheSameBlock) {
   redo({a});
   EXPECT_EQ(hash(), never_happened());
   EXPECT_TRUE(session_->flush());
-  const auto verified = verify_journal(session_->journal_file());
-  ASSERT_TRUE(verified) << describe(verified.error());
-  EXPECT_EQ(verified->difference, "");
-  EXPECT_EQ(verified->hash, hash());
-  EXPECT_GT(verified->hashes_compared, 0U);
+  const auto verified = test::value_of(verify_journal(session_->journal_file()));
+  EXPECT_EQ(verified.difference, "");
+  EXPECT_EQ(verified.hash, hash());
+  EXPECT_GT(verified.hashes_compared, 0U);
 }
 
 TEST_F(SessionUndo, PastEqualsTheBlockAfterARecordToTheBit) {
@@ -282,13 +278,12 @@ TEST_F(SessionUndo, ExportsLeaveUndoneStrokesOut) {
   ASSERT_TRUE(session_->flush());
   std::ostringstream text, forces;
   ASSERT_TRUE(export_program(session_->journal_file(), {}, text));
-  const auto program = parse_program("export.ngc", text.str(), session_->scene());
-  ASSERT_TRUE(program);
+  const auto program = test::value_of(parse_program("export.ngc", text.str(), session_->scene()));
   Sculpture block = Sculpture::create(session_->scene().settings).value();
   for (const auto& [id, tool] : session_->scene().tools) {
     block.apply(DefineTool{id, tool.tool}).value();
   }
-  for (const ProgramMotion& motion : program->motions) {
+  for (const ProgramMotion& motion : program.motions) {
     block.apply(MoveTool{motion.tool, motion.from, motion.to, motion.duration_s, false}).value();
   }
   EXPECT_EQ(block.state_hash(), hash());

@@ -42,13 +42,12 @@ std::vector<Dexel> read(const DexelTile& tile, int place) {
 TEST(StockColumns, RoundTrip) {
   const auto s = carved(8);
   const auto tile = s.field(RayAxis::kZ)->fresh({0, 0});
-  const auto columns = decode_columns(encode_columns(*tile, nullptr));
-  ASSERT_TRUE(columns) << columns.error();
-  ASSERT_EQ(columns->columns.size(), static_cast<std::size_t>(kTileColumns));
+  const auto columns = test::value_of(decode_columns(encode_columns(*tile, nullptr)));
+  ASSERT_EQ(columns.columns.size(), static_cast<std::size_t>(kTileColumns));
   std::size_t split = 0;
   for (int place = 0; place < kTileColumns; ++place) {
     const auto expected = read(*tile, place);
-    const auto got = columns->of(static_cast<std::size_t>(place));
+    const auto got = columns.of(static_cast<std::size_t>(place));
     EXPECT_EQ(std::vector<Dexel>(got.begin(), got.end()), expected) << place;
     split += expected.size() > 1;
   }
@@ -61,10 +60,9 @@ TEST(StockColumns, SecondEncodingContainsOnlyChangedColumns) {
   const auto whole = encode_columns(*after, nullptr);
   const auto changes = encode_columns(*after, before.get());
   EXPECT_LT(changes.size(), whole.size());
-  const auto columns = decode_columns(changes);
-  ASSERT_TRUE(columns) << columns.error();
+  const auto columns = test::value_of(decode_columns(changes));
   DexelTile copy = *before;
-  EXPECT_TRUE(keep_common(copy, *columns));
+  EXPECT_TRUE(keep_common(copy, columns));
   for (int place = 0; place < kTileColumns; ++place) {
     EXPECT_EQ(read(copy, place), read(*after, place)) << place;
   }
@@ -78,14 +76,13 @@ TEST(StockColumns, UntouchedTileIsSmall) {
 
 TEST(StockColumns, MatchGoldenBytes) {
   // One column with an element from 10 to 300, two skipped, two columns from 11 to 300.
-  const auto columns =
-      decode_columns(bytes_of({0x05, 0x14, 0xC4, 0x04, 0x08, 0x05, 0x02, 0x00, 0x06}));
-  ASSERT_TRUE(columns) << columns.error();
-  ASSERT_EQ(columns->columns.size(), 3U);
-  EXPECT_EQ(columns->columns[1].place, 3);
-  EXPECT_EQ(columns->of(0)[0], (Dexel{10, 300}));
-  EXPECT_EQ(columns->of(1)[0], (Dexel{11, 300}));
-  EXPECT_EQ(columns->of(2)[0], (Dexel{11, 300}));
+  const auto columns = test::value_of(
+      decode_columns(bytes_of({0x05, 0x14, 0xC4, 0x04, 0x08, 0x05, 0x02, 0x00, 0x06})));
+  ASSERT_EQ(columns.columns.size(), 3U);
+  EXPECT_EQ(columns.columns[1].place, 3);
+  EXPECT_EQ(columns.of(0)[0], (Dexel{10, 300}));
+  EXPECT_EQ(columns.of(1)[0], (Dexel{11, 300}));
+  EXPECT_EQ(columns.of(2)[0], (Dexel{11, 300}));
   EXPECT_TRUE(decode_columns({}));
 }
 

@@ -50,10 +50,9 @@ class StockFeedTest : public testing::TestWithParam<Rays> {
   }
   void merge(const StockUpdate& update) {
     for (const StockUpdate::Tile& tile : update.tiles) {
-      const auto columns = decode_columns(tile.columns);
-      ASSERT_TRUE(columns) << columns.error();
+      const auto columns = test::value_of(decode_columns(tile.columns));
       if (update.returned) bring_back(replica_, tile.at);
-      replica_.keep_common(tile.at, *columns);
+      replica_.keep_common(tile.at, columns);
     }
   }
   void follow(Vec3 tip) {
@@ -208,11 +207,10 @@ TEST_P(StockFeedTest, ResetStartsANewReplica) {
   cut_own({30, 30, -3}, {30, 30, -8});
   replica_ = block(GetParam());
   feed_.reset();
-  const auto update = next({30, 30, -8});
-  ASSERT_TRUE(update);
-  EXPECT_TRUE(update->reset);
-  EXPECT_EQ(update->agent_time_us, time_us_);
-  merge(*update);
+  const auto update = test::value_of(next({30, 30, -8}));
+  EXPECT_TRUE(update.reset);
+  EXPECT_EQ(update.agent_time_us, time_us_);
+  merge(update);
   follow({30, 30, -8});
   expect_equal_near({30, 30, -8});
 }
@@ -224,18 +222,17 @@ TEST_P(StockFeedTest, TilesWithReturnedStockAreResent) {
   cut_own({32, 20, -3}, {34, 20, -8});
   const auto tiles = undo_near({30, 28, -4});
   cut_other({28, 28, -2}, {29, 28, -2});
-  const auto update = next({34, 20, -8});
-  ASSERT_TRUE(update);
-  EXPECT_FALSE(update->reset);
-  EXPECT_TRUE(update->returned);
-  EXPECT_EQ(update->agent_time_us, time_us_);
-  ASSERT_EQ(update->tiles.size(), tiles.size());
+  const auto update = test::value_of(next({34, 20, -8}));
+  EXPECT_FALSE(update.reset);
+  EXPECT_TRUE(update.returned);
+  EXPECT_EQ(update.agent_time_us, time_us_);
+  ASSERT_EQ(update.tiles.size(), tiles.size());
   for (const FieldTile& tile : tiles) {
-    const auto sent = std::ranges::find(update->tiles, tile, &StockUpdate::Tile::at);
-    ASSERT_NE(sent, update->tiles.end());
+    const auto sent = std::ranges::find(update.tiles, tile, &StockUpdate::Tile::at);
+    ASSERT_NE(sent, update.tiles.end());
     EXPECT_FALSE(sent->columns.empty()) << "it has been cut again";
   }
-  merge(*update);
+  merge(update);
   const auto more = next({34, 20, -8});
   EXPECT_TRUE(!more || !more->returned);
   if (more) merge(*more);
@@ -252,11 +249,10 @@ TEST_P(StockFeedTest, RestoredTilesAreUnknownUntilSent) {
   ASSERT_TRUE(update && update->returned);
   for (const StockUpdate::Tile& tile : update->tiles) EXPECT_TRUE(tile.columns.empty());
   merge(*update);
-  const auto known = next({30, 30, 2});
-  ASSERT_TRUE(known);
-  EXPECT_FALSE(known->returned);
+  const auto known = test::value_of(next({30, 30, 2}));
+  EXPECT_FALSE(known.returned);
   for (const FieldTile& tile : tiles) {
-    EXPECT_EQ(std::ranges::count(known->tiles, tile, &StockUpdate::Tile::at), 1);
+    EXPECT_EQ(std::ranges::count(known.tiles, tile, &StockUpdate::Tile::at), 1);
   }
   EXPECT_FALSE(next({30, 30, 2}));
   expect_equal_near({30, 30, 2});
@@ -301,14 +297,13 @@ TEST_P(StockFeedTest, ReplicasRestartIfTheyCannotTakeTilesBack) {
 
 TEST_P(StockFeedTest, SendsTheNearestTilesFirst) {
   for (double y = 2; y < 100; y += 2) cut_other({0, y, -4}, {400, y + 1, -5});
-  const auto update = next({200, 50, -1});
-  ASSERT_TRUE(update);
-  ASSERT_FALSE(update->tiles.empty());
-  const FieldTile first = update->tiles.front().at;
+  const auto update = test::value_of(next({200, 50, -1}));
+  ASSERT_FALSE(update.tiles.empty());
+  const FieldTile first = update.tiles.front().at;
   if (first.axis == RayAxis::kZ) {
     EXPECT_EQ(first.tile, (TileIndex{12, 3}));
   }
-  merge(*update);
+  merge(update);
   follow({200, 50, -1});
   expect_equal_near({200, 50, -1});
 }
@@ -358,9 +353,8 @@ TEST(StockFeed, LimitsTheTilesOfARegion) {
   server.apply(DefineTool{2, *make_tool(BallShape{60, 80})}).value();
   StockFeed feed;
   const ToolPose middle{{200, 200, -1}, kUp};
-  const auto update = feed.next(server, {*server.tool(1), middle, 1000});
-  ASSERT_TRUE(update);
-  EXPECT_LT(update->tiles.size(), 4097U);
+  const auto update = test::value_of(feed.next(server, {*server.tool(1), middle, 1000}));
+  EXPECT_LT(update.tiles.size(), 4097U);
   EXPECT_FALSE(feed.next(server, {*server.tool(2), middle, 21'000})) << "225 x 225 tiles";
   EXPECT_TRUE(feed.next(server, {*server.tool(1), {{150, 200, -1}, kUp}, 41'000}))
       << "the predicted path has too many tiles, the surroundings of the tool do not";

@@ -234,10 +234,9 @@ TEST_P(TileFeedBudgetTest, BudgetMayBeChangedAndRemoved) {
   for (int n = 0; n < 10; ++n) cut();
   EXPECT_FALSE(feed_.next_frame(viewer, now_)) << "the bucket is empty at first";
   EXPECT_TRUE(feed_.viewer_state(viewer)->waits_for_budget);
-  const auto frame = feed_.next_frame(viewer, now_ += ByteBudget::kStep);
-  ASSERT_TRUE(frame);
-  screen.apply(*frame);
-  feed_.ack(viewer, frame->sequence);
+  const auto frame = test::value_of(feed_.next_frame(viewer, now_ += ByteBudget::kStep));
+  screen.apply(frame);
+  feed_.ack(viewer, frame.sequence);
   EXPECT_FALSE(feed_.next_frame(viewer, now_));
   feed_.set_budget(viewer, 0);
   EXPECT_FALSE(feed_.viewer_state(viewer)->waits_for_budget);

@@ -31,15 +31,13 @@ TEST(TileFeedRound, ViewersShareFramesWhileTheBlockChanges) {
   cut();
   {
     const TileFeed::Round round(feed);
-    const auto frame = feed.next_frame(first);
-    ASSERT_TRUE(frame);
+    const auto frame = test::value_of(feed.next_frame(first));
     const auto meshed = feed.stats().tiles_meshed;
     cut();
-    const auto same = feed.next_frame(second);
-    ASSERT_TRUE(same);
-    EXPECT_EQ(same->glb, frame->glb);
+    const auto same = test::value_of(feed.next_frame(second));
+    EXPECT_EQ(same.glb, frame.glb);
     EXPECT_EQ(feed.stats().tiles_meshed, meshed);
-    EXPECT_TRUE(feed.ack(first, frame->sequence) && feed.ack(second, same->sequence));
+    EXPECT_TRUE(feed.ack(first, frame.sequence) && feed.ack(second, same.sequence));
     EXPECT_FALSE(feed.next_frame(first));
   }
   EXPECT_GT(drain(feed, first), 0);

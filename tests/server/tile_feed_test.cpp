@@ -228,12 +228,11 @@ TEST_F(TileFeedTest, ReportsWhenAViewerIsUpToDate) {
   TileFeed feed(sculpture_.solid(), 41);
   const ViewerId viewer = feed.add_viewer();
   EXPECT_FALSE(feed.viewer_state(viewer)->sent);
-  const auto frame = feed.next_frame(viewer);
-  ASSERT_TRUE(frame);
-  EXPECT_EQ(test::read_mesh_glb(*frame->glb).to, 41U);
+  const auto frame = test::value_of(feed.next_frame(viewer));
+  EXPECT_EQ(test::read_mesh_glb(*frame.glb).to, 41U);
   EXPECT_TRUE(feed.viewer_state(viewer)->sent);
   EXPECT_FALSE(feed.viewer_state(viewer)->applied);
-  ASSERT_TRUE(feed.ack(viewer, frame->sequence));
+  ASSERT_TRUE(feed.ack(viewer, frame.sequence));
   EXPECT_TRUE(feed.viewer_state(viewer)->applied);
   EXPECT_EQ(feed.viewer_state(viewer)->revision, 41U);
   revision_ = 41;
@@ -244,7 +243,7 @@ TEST_F(TileFeedTest, ReportsWhenAViewerIsUpToDate) {
   EXPECT_EQ(feed.newest().first.hash(), sculpture_.state_hash());
   // A motion through the air changes only the revision.
   Screen screen;
-  screen.apply(*frame);
+  screen.apply(frame);
   screen.drain(feed, viewer);
   feed.note_change(sculpture_.solid(), {}, 47);
   EXPECT_TRUE(feed.viewer_state(viewer)->applied);

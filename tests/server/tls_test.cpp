@@ -67,9 +67,8 @@ TEST_F(TlsTest, UnsupportedVersionIsAFinalError) {
 }
 
 TEST_F(TlsTest, AClosedPeerRaisesNoSignal) {
-  const auto context = TlsContext::of_client({});
-  ASSERT_TRUE(context);
-  TlsChannel made(*context, ends_[0], "kerf.example");
+  const auto context = test::value_of(TlsContext::of_client({}));
+  TlsChannel made(context, ends_[0], "kerf.example");
   hang_up();
   EXPECT_EQ(made.handshake(), TlsStep::kFailed);  // SIGPIPE would end this program
   EXPECT_FALSE(made.is_final());
@@ -165,13 +164,12 @@ TEST_F(TlsPair, TcpEndWithoutTlsEndLosesNothing) {
 }
 
 TEST_F(TlsTest, FilesThatCannotBeUsedAreNamed) {
-  const auto server = TlsContext::of_server("/no/such/chain.pem", "/no/such/key.pem");
-  ASSERT_FALSE(server);
-  EXPECT_NE(server.error().find("/no/such/chain.pem"), std::string::npos);
-  EXPECT_NE(server.error().find("No such file"), std::string::npos) << server.error();
-  const auto client = TlsContext::of_client("/no/such/authority.pem");
-  ASSERT_FALSE(client);
-  EXPECT_NE(client.error().find("/no/such/authority.pem"), std::string::npos);
+  const auto error =
+      test::error_of(TlsContext::of_server("/no/such/chain.pem", "/no/such/key.pem"));
+  EXPECT_NE(error.find("/no/such/chain.pem"), std::string::npos);
+  EXPECT_NE(error.find("No such file"), std::string::npos) << error;
+  const auto client = test::error_of(TlsContext::of_client("/no/such/authority.pem"));
+  EXPECT_NE(client.find("/no/such/authority.pem"), std::string::npos);
 }
 
 TEST(TlsCertificate, InvalidDatesAreReported) {

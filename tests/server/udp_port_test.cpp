@@ -122,10 +122,9 @@ TEST_F(UdpPortTest, PostsTheOpenedFrameToTheExecutorAndAnswersTheSender) {
   ASSERT_GT(count, 0);
   datagram::Opener opener(peer->offer().connection, peer->offer().to_agent);
   std::array<std::byte, datagram::kMaxFrameBytes> opened{};
-  const auto result =
-      opener.open(std::span(received).first(static_cast<std::size_t>(count)), opened);
-  ASSERT_TRUE(result);
-  EXPECT_EQ(Bytes(opened.begin(), opened.begin() + static_cast<long>(result->frame_bytes)), answer);
+  const auto result = test::value_of(
+      opener.open(std::span(received).first(static_cast<std::size_t>(count)), opened));
+  EXPECT_EQ(Bytes(opened.begin(), opened.begin() + static_cast<long>(result.frame_bytes)), answer);
 }
 
 TEST_F(UdpPortTest, CountsWhyADatagramIsDropped) {

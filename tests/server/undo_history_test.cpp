@@ -129,10 +129,9 @@ class RandomHistory : public SessionUndo {
   void branch_off() {
     const std::uint64_t record = one_of(session_->sequence() + 1);
     const std::uint64_t expected = never_happened(record);
-    auto branch = registry_->branch("", *session_, record);
-    ASSERT_TRUE(branch) << branch.error().reason;
+    auto branch = test::value_of(registry_->branch("", *session_, record));
     const std::string left = session_->id();
-    session_ = *branch;
+    session_ = branch;
     EXPECT_EQ(hash(), expected);
     close(left);
     join_hands();

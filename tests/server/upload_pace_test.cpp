@@ -33,9 +33,8 @@ class SlowUpload : public testing::Test {
     options.http.data_folder = folder_.path();
     options.http.upload_bytes = 2 * kBytes;
     options.http.upload_pace = pace;
-    auto made = Server::create(options);
-    ASSERT_TRUE(made) << made.error();
-    server_ = std::move(*made);
+    auto made = test::value_of(Server::create(options));
+    server_ = std::move(made);
     const auto listening = server_->listen();
     ASSERT_TRUE(listening) << listening.error();
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// GoogleTest and the standard headers of the tests: the fast build precompiles them
-// (tests/CMakeLists.txt), so that a test names only the headers of its subject.
+// GoogleTest, the standard headers of the tests, value_of() and error_of(). The fast build
+// precompiles them (tests/CMakeLists.txt), so a test names only the headers of its subject.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -52,3 +52,5 @@
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include "tests/support/value_of.h"

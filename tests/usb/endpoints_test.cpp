@@ -13,11 +13,11 @@ const InterfaceShape kBulkPair{
 TEST(Endpoints, FoundByTypeAndDirection) {
   const InterfaceShape hid{.usb_class = 3, .endpoints = {{0x81, 3, 8}}};
   const InterfaceShape all[] = {hid, kBulkPair};
-  const auto pipes = find_pipes(all, {.kind = TransferKind::kBulk, .min_packet_bytes = 64});
-  ASSERT_TRUE(pipes);
-  EXPECT_EQ(pipes->interface_number, 1);
-  EXPECT_EQ(pipes->in, 0x83);
-  EXPECT_EQ(pipes->out, 0x02);
+  const auto pipes =
+      test::value_of(find_pipes(all, {.kind = TransferKind::kBulk, .min_packet_bytes = 64}));
+  EXPECT_EQ(pipes.interface_number, 1);
+  EXPECT_EQ(pipes.in, 0x83);
+  EXPECT_EQ(pipes.out, 0x02);
 }
 
 TEST(Endpoints, FirstMatchingSettingIsUsed) {
@@ -25,9 +25,8 @@ TEST(Endpoints, FirstMatchingSettingIsUsed) {
   const InterfaceShape full{
       .number = 0, .alternate = 1, .usb_class = 0xFF, .endpoints = {{0x81, 3, 64}, {0x01, 3, 64}}};
   const InterfaceShape all[] = {none, full};
-  const auto pipes = find_pipes(all, {.usb_class = 0xFF});
-  ASSERT_TRUE(pipes);
-  EXPECT_EQ(pipes->alternate, 1);
+  const auto pipes = test::value_of(find_pipes(all, {.usb_class = 0xFF}));
+  EXPECT_EQ(pipes.alternate, 1);
 }
 
 TEST(Endpoints, MismatchesAreRejected) {

@@ -42,11 +42,10 @@ TEST(FalconKinematics, TorquesDoTheWorkOfTheForce) {
     const auto before = falcon::leg_angles(at - direction * kStepMm);
     const auto after = falcon::leg_angles(at + direction * kStepMm);
     ASSERT_TRUE(angles && before && after);
-    const auto torques = falcon::leg_torques(*angles, at, force);
-    ASSERT_TRUE(torques);
+    const auto torques = test::value_of(falcon::leg_torques(*angles, at, force));
     double by_motors = 0;
     for (std::size_t j = 0; j < 3; ++j) {
-      by_motors += (*torques)[j] * ((*after)[j] - (*before)[j]) / (2 * kStepMm);
+      by_motors += (torques)[j] * ((*after)[j] - (*before)[j]) / (2 * kStepMm);
     }
     ASSERT_NEAR(by_motors, dot(force, direction), 1e-4);
   }
@@ -77,9 +76,8 @@ TEST(FalconFrame, StatusBytesAreSkippedAndFramesAssembled) {
   first.insert(first.end(), frame.begin(), frame.begin() + 7);
   second.insert(second.end(), frame.begin() + 7, frame.end());
   EXPECT_FALSE(reader.take(first));
-  const auto whole = reader.take(second);
-  ASSERT_TRUE(whole);
-  EXPECT_EQ(falcon::decode_state(*whole), state);
+  const auto whole = test::value_of(reader.take(second));
+  EXPECT_EQ(falcon::decode_state(whole), state);
 }
 
 TEST(FalconProtocol, ReportsPosesBetweenTheCountsOfItsLegs) {

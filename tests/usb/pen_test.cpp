@@ -44,11 +44,10 @@ TEST(ReferencePen, ForwardInvertsInverse) {
   Poses poses;
   for (int i = 0; i < kPoses; ++i) {
     const auto is = poses.next();
-    const auto pose = pen_pose(poses.pen, is.q);
-    ASSERT_TRUE(pose);
-    ASSERT_LT(length(pose->grip_mm - is.grip_mm), 1e-9);
-    ASSERT_LT(length(pose->axis - is.axis), 1e-9);
-    ASSERT_NEAR(pose->mismatch_mm, 0, 1e-9);
+    const auto pose = test::value_of(pen_pose(poses.pen, is.q));
+    ASSERT_LT(length(pose.grip_mm - is.grip_mm), 1e-9);
+    ASSERT_LT(length(pose.axis - is.axis), 1e-9);
+    ASSERT_NEAR(pose.mismatch_mm, 0, 1e-9);
   }
 }
 

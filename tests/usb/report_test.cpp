@@ -43,11 +43,10 @@ TEST(ReferenceReport, DecodeInvertsEncode) {
                           .torque_max_nmm = {1, 2, 3, 4, 5, 6.5},
                           .period_us = 1000,
                           .watchdog_ms = 20};
-  const auto decoded = decode_identity(encode(identity));
-  ASSERT_TRUE(decoded);
-  EXPECT_EQ(decoded->pen, identity.pen);
-  EXPECT_EQ(decoded->torque_max_nmm, identity.torque_max_nmm);
-  EXPECT_EQ(decoded->watchdog_ms, 20);
+  const auto decoded = test::value_of(decode_identity(encode(identity)));
+  EXPECT_EQ(decoded.pen, identity.pen);
+  EXPECT_EQ(decoded.torque_max_nmm, identity.torque_max_nmm);
+  EXPECT_EQ(decoded.watchdog_ms, 20);
 }
 
 TEST(ReferenceReport, EveryBitErrorIsDetected) {

@@ -8,12 +8,10 @@ namespace kerf::agent::device_choice_test {
 namespace {
 
 TEST(DeviceChoice, SimWithoutFileUsesTheCarvingFigure) {
-  const auto choice = choose_device("sim");
-  ASSERT_TRUE(choice);
-  EXPECT_FALSE(choice->script);
-  const auto device = make_device(*choice, {.stock = {{0, 0, 0}, {10, 10, 10}}}, {});
-  ASSERT_TRUE(device);
-  EXPECT_EQ((*device)->capabilities().actuated_dof, 5);
+  const auto choice = test::value_of(choose_device("sim"));
+  EXPECT_FALSE(choice.script);
+  const auto device = test::value_of(make_device(choice, {.stock = {{0, 0, 0}, {10, 10, 10}}}, {}));
+  EXPECT_EQ(device->capabilities().actuated_dof, 5);
 }
 
 TEST(DeviceChoice, FileIsPlayedBySimOrReplay) {

@@ -48,9 +48,8 @@ PluginError error_of(const std::string& text) {
 
 TEST_F(PluginTest, DeviceGetsTheSessionAndExchangesPosesAndWrenches) {
   {
-    const auto opened = open();
-    ASSERT_TRUE(opened) << opened.error().text;
-    PluginDevice& device = **opened;
+    const auto opened = test::value_of(open());
+    PluginDevice& device = *opened;
     EXPECT_EQ(log.place.participant, 7U);
     EXPECT_EQ(log.place.stock_max_mm[0], 40);
     EXPECT_EQ(log.place.pivot_mm, 60);
@@ -90,62 +89,56 @@ TEST_F(PluginTest, MotorsGetOnlyRatedComponents) {
   log.capabilities.max_torque_nmm = 100;
   const Wrench wrench{.force_n = {1, 2, 3}, .torque_nmm = {4, 5, 6}};
   {
-    const auto opened = open();
-    ASSERT_TRUE(opened);
-    (*opened)->write(wrench);
+    const auto opened = test::value_of(open());
+    opened->write(wrench);
     EXPECT_EQ(log.wrench.force_n[2], 3);
     EXPECT_EQ(log.wrench.torque_nmm[0], 4);
   }
   log.capabilities.actuated_dof = 0;
   log.capabilities.max_force_n = 0;
-  const auto sensor = open();
-  ASSERT_TRUE(sensor) << sensor.error().text;
-  (*sensor)->write(wrench);
+  const auto sensor = test::value_of(open());
+  sensor->write(wrench);
   EXPECT_EQ(log.wrench.force_n[2], 0);
   EXPECT_EQ(log.wrench.torque_nmm[0], 0);
 }
 
 TEST_F(PluginTest, MissingStopIsReplacedByAZeroWrench) {
-  auto plugin = load_plugin(text());
-  ASSERT_TRUE(plugin);
-  plugin->functions.stop = nullptr;
-  const auto opened = PluginDevice::open(*plugin, kStock, 60, 7);
-  ASSERT_TRUE(opened);
-  (*opened)->write({.force_n = {1, 2, 3}});
+  auto plugin = test::value_of(load_plugin(text()));
+  plugin.functions.stop = nullptr;
+  const auto opened = test::value_of(PluginDevice::open(plugin, kStock, 60, 7));
+  opened->write({.force_n = {1, 2, 3}});
   EXPECT_EQ(log.wrench.force_n[2], 3);
-  (*opened)->stop();
+  opened->stop();
   EXPECT_EQ(log.wrench.force_n[2], 0);
 }
 
 TEST_F(PluginTest, PosesOutOfTimeOrInOtherStatesAreInvalid) {
-  const auto opened = open();
-  ASSERT_TRUE(opened);
+  const auto opened = test::value_of(open());
   log.pose.state = KERF_AGENT_READY;
   log.pose.time_us = 100'000;
-  EXPECT_TRUE((*opened)->read(119'999).valid);
-  EXPECT_FALSE((*opened)->read(120'000).valid);
-  EXPECT_TRUE((*opened)->read(80'000).valid);
-  EXPECT_FALSE((*opened)->read(79'999).valid) << "in the future";
+  EXPECT_TRUE(opened->read(119'999).valid);
+  EXPECT_FALSE(opened->read(120'000).valid);
+  EXPECT_TRUE(opened->read(80'000).valid);
+  EXPECT_FALSE(opened->read(79'999).valid) << "in the future";
   log.pose.time_us = UINT64_MAX;
-  EXPECT_FALSE((*opened)->read(100'000).valid);
+  EXPECT_FALSE(opened->read(100'000).valid);
   log.pose.time_us = 0;
   for (const std::uint32_t state : {KERF_AGENT_FAULT, KERF_AGENT_HOMING, KERF_AGENT_ABSENT}) {
     log.pose.state = state;
-    EXPECT_FALSE((*opened)->read(1000).valid) << state;
-    EXPECT_NE((*opened)->trouble(), "") << state;
+    EXPECT_FALSE(opened->read(1000).valid) << state;
+    EXPECT_NE(opened->trouble(), "") << state;
   }
   log.pose.state = KERF_AGENT_FINISHED;
-  EXPECT_TRUE((*opened)->read(1000).finished);
+  EXPECT_TRUE(opened->read(1000).finished);
 }
 
 TEST_F(PluginTest, DeadmanSensorIsReported) {
   log.capabilities.flags = KERF_AGENT_HAS_DEADMAN;
-  const auto opened = open();
-  ASSERT_TRUE(opened);
+  const auto opened = test::value_of(open());
   log.pose.state = KERF_AGENT_READY;
-  EXPECT_EQ((*opened)->read(1000).buttons & wire::kButtonDeadman, 0U);
+  EXPECT_EQ(opened->read(1000).buttons & wire::kButtonDeadman, 0U);
   log.pose.buttons = KERF_AGENT_DEADMAN;
-  EXPECT_NE((*opened)->read(1000).buttons & wire::kButtonDeadman, 0U);
+  EXPECT_NE(opened->read(1000).buttons & wire::kButtonDeadman, 0U);
 }
 
 TEST_F(PluginTest, EachFaultHasATypeAndASentence) {
@@ -159,10 +152,10 @@ TEST_F(PluginTest, EachFaultHasATypeAndASentence) {
   EXPECT_NE(version.text.find("ABI 99"), std::string::npos) << version.text;
   EXPECT_EQ(error_of(file_of("fake_plugin_incomplete")).fault, PluginFault::kIncomplete);
 
-  const auto unopened = PluginDevice::open(*load_plugin(file_of("fake_plugin")), kStock, 60, 1);
-  ASSERT_FALSE(unopened);
-  EXPECT_EQ(unopened.error().fault, PluginFault::kOpen);
-  EXPECT_NE(unopened.error().text.find("no argument"), std::string::npos);
+  const auto error =
+      test::error_of(PluginDevice::open(*load_plugin(file_of("fake_plugin")), kStock, 60, 1));
+  EXPECT_EQ(error.fault, PluginFault::kOpen);
+  EXPECT_NE(error.text.find("no argument"), std::string::npos);
 
   log.capabilities.latency_us = 30'000;
   EXPECT_EQ(open_fault(), PluginFault::kCapability);
@@ -182,12 +175,10 @@ TEST_F(PluginTest, EachFaultHasATypeAndASentence) {
 }
 
 TEST_F(PluginTest, IsChosenOnTheCommandLine) {
-  const auto choice = choose_device("plugin:" + text());
-  ASSERT_TRUE(choice) << choice.error();
-  EXPECT_EQ(choice->kind, DeviceKind::kPlugin);
-  const auto device = make_device(*choice, {.stock = kStock}, {});
-  ASSERT_TRUE(device) << device.error();
-  EXPECT_EQ((*device)->capabilities().name, "fake plugin");
+  const auto choice = test::value_of(choose_device("plugin:" + text()));
+  EXPECT_EQ(choice.kind, DeviceKind::kPlugin);
+  const auto device = test::value_of(make_device(choice, {.stock = kStock}, {}));
+  EXPECT_EQ(device->capabilities().name, "fake plugin");
   EXPECT_FALSE(choose_device("plugin:/no/such.so"));
   EXPECT_FALSE(choose_device("plugin"));
   EXPECT_FALSE(make_device(*choose_device("plugin:" + file_of("fake_plugin")), {}, {}));

@@ -66,12 +66,10 @@ struct BadText {
 class BadApt : public ::testing::TestWithParam<BadText> {};
 
 TEST_P(BadApt, IsRejectedWithItsLine) {
-  const auto script = parse_apt_script("bad.apt", GetParam().text);
-  ASSERT_FALSE(script);
-  EXPECT_EQ(script.error().line, GetParam().line);
-  EXPECT_NE(script.error().reason.find(GetParam().word), std::string::npos)
-      << script.error().reason;
-  EXPECT_TRUE(to_string(script.error()).starts_with("bad.apt:"));
+  const auto error = test::error_of(parse_apt_script("bad.apt", GetParam().text));
+  EXPECT_EQ(error.line, GetParam().line);
+  EXPECT_NE(error.reason.find(GetParam().word), std::string::npos) << error.reason;
+  EXPECT_TRUE(to_string(error).starts_with("bad.apt:"));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -88,37 +86,34 @@ INSTANTIATE_TEST_SUITE_P(
         BadText{"FEDRAT/1\nGOTO/0,0,0,0,0,1\nGOTO/0,0,0,0,0,-1\n", 3, "turns"}));
 
 TEST(CsvScript, ReadsTheForcesFileOfACarving) {
-  const auto script =
+  const auto script = test::value_of(
       parse_csv_script("forces.csv",
                        "t_s,x,y,z,i,j,k,fx_n,fy_n,fz_n,tx_nmm,ty_nmm,tz_nmm,removed_mm3\n"
-                       "0.5,1,2,3,0,0,1,0,0,0,0,0,0,0\r\n\n0.75,4,5,6,0,3,4,1,1,1,0,0,0,9\n");
-  ASSERT_TRUE(script);
-  ASSERT_EQ(script->size(), 2U);
-  EXPECT_FALSE((*script)[0].cutting);
-  EXPECT_TRUE((*script)[1].cutting);
-  EXPECT_DOUBLE_EQ((*script)[1].time_s, 0.75);
-  EXPECT_EQ((*script)[1].axis, (Vec3{0, 0.6, 0.8}));
+                       "0.5,1,2,3,0,0,1,0,0,0,0,0,0,0\r\n\n0.75,4,5,6,0,3,4,1,1,1,0,0,0,9\n"));
+  ASSERT_EQ(script.size(), 2U);
+  EXPECT_FALSE((script)[0].cutting);
+  EXPECT_TRUE((script)[1].cutting);
+  EXPECT_DOUBLE_EQ((script)[1].time_s, 0.75);
+  EXPECT_EQ((script)[1].axis, (Vec3{0, 0.6, 0.8}));
 }
 
 TEST(CsvScript, ColumnsInAnyOrderWithCutting) {
-  const auto script = parse_csv_script("p.csv",
-                                       "tool,cutting,k,j,i,z,y,x,t_s\n4,1,1,0,0,3,2,1,0\n"
-                                       "4,0,1,0,0,3,2,1,1\n4,1,1,0,0,3,2,1,2\n");
-  ASSERT_TRUE(script);
-  EXPECT_EQ((*script)[0].tip_mm, (Vec3{1, 2, 3}));
-  EXPECT_EQ((*script)[0].tool_id, 4U);
-  EXPECT_FALSE((*script)[1].cutting);
-  EXPECT_TRUE((*script)[2].cutting);
+  const auto script =
+      test::value_of(parse_csv_script("p.csv",
+                                      "tool,cutting,k,j,i,z,y,x,t_s\n4,1,1,0,0,3,2,1,0\n"
+                                      "4,0,1,0,0,3,2,1,1\n4,1,1,0,0,3,2,1,2\n"));
+  EXPECT_EQ((script)[0].tip_mm, (Vec3{1, 2, 3}));
+  EXPECT_EQ((script)[0].tool_id, 4U);
+  EXPECT_FALSE((script)[1].cutting);
+  EXPECT_TRUE((script)[2].cutting);
 }
 
 class BadCsv : public ::testing::TestWithParam<BadText> {};
 
 TEST_P(BadCsv, IsRejectedWithItsLine) {
-  const auto script = parse_csv_script("bad.csv", GetParam().text);
-  ASSERT_FALSE(script);
-  EXPECT_EQ(script.error().line, GetParam().line);
-  EXPECT_NE(script.error().reason.find(GetParam().word), std::string::npos)
-      << script.error().reason;
+  const auto error = test::error_of(parse_csv_script("bad.csv", GetParam().text));
+  EXPECT_EQ(error.line, GetParam().line);
+  EXPECT_NE(error.reason.find(GetParam().word), std::string::npos) << error.reason;
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -20,19 +20,18 @@ constexpr std::string_view kRated =
     "workspace_min_mm=-50,-50,-50 workspace_max_mm=50,50,50";
 
 TEST(LineProtocol, ReadsCapabilities) {
-  const auto device = parse_device_line(kRated);
-  ASSERT_TRUE(device) << device.error();
-  EXPECT_EQ(device->name, "fake");
-  EXPECT_EQ(device->sensed_dof, 3);
-  EXPECT_EQ(device->max_force_n, 10);
-  EXPECT_EQ(device->latency_us, 2000U);
-  EXPECT_EQ(device->max_vibration_hz, 300);
-  EXPECT_EQ(device->resolution_mm, 0.055);
-  EXPECT_EQ(device->resolution_rad, 0.001);
-  EXPECT_EQ(device->workspace_max_mm.y, 50);
-  EXPECT_FALSE(device->has_deadman);
+  const auto device = test::value_of(parse_device_line(kRated));
+  EXPECT_EQ(device.name, "fake");
+  EXPECT_EQ(device.sensed_dof, 3);
+  EXPECT_EQ(device.max_force_n, 10);
+  EXPECT_EQ(device.latency_us, 2000U);
+  EXPECT_EQ(device.max_vibration_hz, 300);
+  EXPECT_EQ(device.resolution_mm, 0.055);
+  EXPECT_EQ(device.resolution_rad, 0.001);
+  EXPECT_EQ(device.workspace_max_mm.y, 50);
+  EXPECT_FALSE(device.has_deadman);
   EXPECT_TRUE(parse_device_line("kerf-device 1 deadman=1")->has_deadman);
-  EXPECT_FALSE(device->always_cut);
+  EXPECT_FALSE(device.always_cut);
   const auto both = parse_device_line("kerf-device 1 always_cut=1 deadman=1");
   EXPECT_TRUE(both->always_cut && both->has_deadman);
 }
@@ -64,15 +63,15 @@ TEST(LineProtocol, MalformedCapabilitiesAreRejectedWithAReason) {
 }
 
 TEST(LineProtocol, ReadsPosesAndRejectsOtherLines) {
-  const auto pose = parse_pose_line("pose ready 1 2.5 -3e0 0 0 1 3 65535", true, 77);
-  ASSERT_TRUE(pose);
-  EXPECT_TRUE(pose->state.valid);
-  EXPECT_EQ(pose->state.tip_mm.y, 2.5);
-  EXPECT_EQ(pose->state.tip_mm.z, -3);
-  EXPECT_EQ(pose->state.axis.z, 1);
-  EXPECT_EQ(pose->state.buttons, wire::kButtonCutting | wire::kButtonDeadman);
-  EXPECT_EQ(pose->state.time_us, 77U);
-  EXPECT_EQ(pose->accepted, 65535);
+  const auto pose =
+      test::value_of(parse_pose_line("pose ready 1 2.5 -3e0 0 0 1 3 65535", true, 77));
+  EXPECT_TRUE(pose.state.valid);
+  EXPECT_EQ(pose.state.tip_mm.y, 2.5);
+  EXPECT_EQ(pose.state.tip_mm.z, -3);
+  EXPECT_EQ(pose.state.axis.z, 1);
+  EXPECT_EQ(pose.state.buttons, wire::kButtonCutting | wire::kButtonDeadman);
+  EXPECT_EQ(pose.state.time_us, 77U);
+  EXPECT_EQ(pose.accepted, 65535);
   EXPECT_TRUE(parse_pose_line("pose finished 0 0 0 0 0 1 0 0", true, 1)->state.finished);
   EXPECT_EQ(parse_pose_line("pose ready 0 0 0 0 0 1 7938 0", true, 1)->state.buttons,
             wire::kButtonDeadman | kButtonUndo | kButtonRedo | kButtonRearm | kButtonClutch);
@@ -380,9 +379,9 @@ TEST_F(SocketDeviceTest, UnusableProcessesAreReported) {
   wrong.join();
   ASSERT_FALSE(version);
   EXPECT_NE(version.error().find("version 9"), std::string::npos) << version.error();
-  const auto absent = SocketDevice::open({.address = {.path = "/no/such/hand"}, .wait_s = 0});
-  ASSERT_FALSE(absent);
-  EXPECT_NE(absent.error().find("/no/such/hand"), std::string::npos) << absent.error();
+  const auto error =
+      test::error_of(SocketDevice::open({.address = {.path = "/no/such/hand"}, .wait_s = 0}));
+  EXPECT_NE(error.find("/no/such/hand"), std::string::npos) << error;
   EXPECT_FALSE(SocketDevice::open({.address = {.host = "127.0.0.1", .port = "1"}, .wait_s = 0}));
 }
 

@@ -109,40 +109,36 @@ TEST(Identification, FindsMassAndQuantumWithinATenthAndLatencyAndFriction) {
                                    .quantum_mm = 0.055,
                                    .quantum_rad = 0.001}}) {
     LooseDevice device(truth);
-    const auto profile = identify(device);
-    ASSERT_TRUE(profile) << profile.error();
+    const auto profile = test::value_of(identify(device));
     const std::string which = std::to_string(truth.mass_kg) + " kg";
-    EXPECT_NEAR(*profile->moving_mass_kg / truth.mass_kg, 1, 0.1) << which;
-    EXPECT_NEAR(*profile->moving_inertia_kg_m2 / truth.inertia_kg_m2, 1, 0.1) << which;
-    EXPECT_NEAR(profile->friction_n, truth.friction_n, 0.2 * truth.friction_n + 0.01) << which;
-    EXPECT_NEAR(double(*profile->latency_us), double(truth.latency_us), 300) << which;
-    EXPECT_NEAR(*profile->resolution_mm / truth.quantum_mm, 1, 0.1) << which;
-    EXPECT_NEAR(*profile->resolution_rad / truth.quantum_rad, 1, 0.1) << which;
-    EXPECT_GT(profile->wall_along_n_per_mm, 0.1) << which;
+    EXPECT_NEAR(*profile.moving_mass_kg / truth.mass_kg, 1, 0.1) << which;
+    EXPECT_NEAR(*profile.moving_inertia_kg_m2 / truth.inertia_kg_m2, 1, 0.1) << which;
+    EXPECT_NEAR(profile.friction_n, truth.friction_n, 0.2 * truth.friction_n + 0.01) << which;
+    EXPECT_NEAR(double(*profile.latency_us), double(truth.latency_us), 300) << which;
+    EXPECT_NEAR(*profile.resolution_mm / truth.quantum_mm, 1, 0.1) << which;
+    EXPECT_NEAR(*profile.resolution_rad / truth.quantum_rad, 1, 0.1) << which;
+    EXPECT_GT(profile.wall_along_n_per_mm, 0.1) << which;
   }
 }
 
 TEST(Identification, FindsNoQuantumInAContinuousPose) {
   LooseDevice device({.quantum_mm = 0, .quantum_rad = 0});
-  const auto profile = identify(device);
-  ASSERT_TRUE(profile) << profile.error();
-  EXPECT_EQ(*profile->resolution_mm, 0);
-  EXPECT_EQ(*profile->resolution_rad, 0);
+  const auto profile = test::value_of(identify(device));
+  EXPECT_EQ(*profile.resolution_mm, 0);
+  EXPECT_EQ(*profile.resolution_rad, 0);
 }
 
 TEST(Identification, OmitsTheInertiaOfADeviceWithoutTorque) {
   LooseDevice device({.max_torque_nmm = 0});
-  const auto profile = identify(device);
-  ASSERT_TRUE(profile) << profile.error();
-  EXPECT_FALSE(profile->moving_inertia_kg_m2);
-  EXPECT_NEAR(*profile->moving_mass_kg, 0.2, 0.02);
+  const auto profile = test::value_of(identify(device));
+  EXPECT_FALSE(profile.moving_inertia_kg_m2);
+  EXPECT_NEAR(*profile.moving_mass_kg, 0.2, 0.02);
 }
 
 TEST(Identification, EndsWithoutForceIfTheDeviceIsStuck) {
   LooseDevice device({.friction_n = 5});
-  const auto profile = identify(device);
-  ASSERT_FALSE(profile);
-  EXPECT_NE(profile.error().find("force: "), std::string::npos) << profile.error();
+  const auto error = test::error_of(identify(device));
+  EXPECT_NE(error.find("force: "), std::string::npos) << error;
 }
 
 TEST(Identification, EndsOnANonFinitePose) {
@@ -174,9 +170,8 @@ TEST(Identification, FailsIfTheLoopLosesTicks) {
   Identification identification(device, LooseDevice::kPivotMm);
   std::uint64_t now_us = 1000;
   for (int i = 0; identification.tick(now_us); ++i) now_us += i % 50 == 0 ? 2000 : 1000;
-  const auto profile = identification.profile();
-  ASSERT_FALSE(profile);
-  EXPECT_NE(profile.error().find("the loop lost 3"), std::string::npos) << profile.error();
+  const auto error = test::error_of(identification.profile());
+  EXPECT_NE(error.find("the loop lost 3"), std::string::npos) << error;
 }
 
 TEST(Identification, AnnouncesItsMotionFirst) {
@@ -192,14 +187,13 @@ TEST(DeviceProfile, RoundTripsAndReplacesDeclaredValues) {
   profile.friction_n = 0.03;
   profile.wall_across_n_per_mm = 1.5;
   ASSERT_TRUE(write_profile(path, profile));
-  const auto read = read_profile(path);
-  ASSERT_TRUE(read) << read.error();
-  EXPECT_EQ(read->device, "loose device");
-  EXPECT_FALSE(read->moving_inertia_kg_m2);
-  EXPECT_DOUBLE_EQ(read->friction_n, 0.03);
-  EXPECT_DOUBLE_EQ(read->wall_across_n_per_mm, 1.5);
+  const auto read = test::value_of(read_profile(path));
+  EXPECT_EQ(read.device, "loose device");
+  EXPECT_FALSE(read.moving_inertia_kg_m2);
+  EXPECT_DOUBLE_EQ(read.friction_n, 0.03);
+  EXPECT_DOUBLE_EQ(read.wall_across_n_per_mm, 1.5);
   const DeviceCapabilities known = with_profile(
-      {.name = "x", .latency_us = 1000, .moving_mass_kg = 1, .moving_inertia_kg_m2 = 2}, *read);
+      {.name = "x", .latency_us = 1000, .moving_mass_kg = 1, .moving_inertia_kg_m2 = 2}, read);
   EXPECT_EQ(known.latency_us, 1500U);
   EXPECT_DOUBLE_EQ(known.resolution_mm, 0.02);
   EXPECT_DOUBLE_EQ(known.moving_mass_kg, 0.2);
@@ -221,13 +215,12 @@ TEST(DeviceProfile, OmitsAStepThatWasNotFound) {
   const std::string path = std::filesystem::path(testing::TempDir()) / "kerf_no_step.txt";
   const DeviceProfile profile{.resolution_mm = 0, .resolution_rad = 0.0005};
   ASSERT_TRUE(write_profile(path, profile));
-  const auto read = read_profile(path);
-  ASSERT_TRUE(read) << read.error();
-  EXPECT_FALSE(read->resolution_mm);
-  EXPECT_DOUBLE_EQ(read->resolution_rad.value(), 0.0005);
+  const auto read = test::value_of(read_profile(path));
+  EXPECT_FALSE(read.resolution_mm);
+  EXPECT_DOUBLE_EQ(read.resolution_rad.value(), 0.0005);
   const DeviceCapabilities declared{.resolution_mm = 0.01, .resolution_rad = 0.001};
-  EXPECT_DOUBLE_EQ(with_profile(declared, *read).resolution_mm, 0.01);
-  EXPECT_DOUBLE_EQ(with_profile(declared, *read).resolution_rad, 0.0005);
+  EXPECT_DOUBLE_EQ(with_profile(declared, read).resolution_mm, 0.01);
+  EXPECT_DOUBLE_EQ(with_profile(declared, read).resolution_rad, 0.0005);
   // Files of earlier versions contain a zero.
   std::ofstream(path) << "kerf-device-profile 1\nresolution_mm 0\n";
   EXPECT_DOUBLE_EQ(with_profile(declared, *read_profile(path)).resolution_mm, 0.01);

@@ -74,9 +74,8 @@ TEST(Control, CylinderStockBecomesItsBoundingBox) {
                       {"radius_mm", 5},
                       {"min_z_mm", -3},
                       {"max_z_mm", 4}};
-  const auto control = parse_control(message.dump());
-  ASSERT_TRUE(control);
-  const auto& welcome = std::get<Welcome>(*control);
+  const auto control = test::value_of(parse_control(message.dump()));
+  const auto& welcome = std::get<Welcome>(control);
   EXPECT_EQ(welcome.stock.min_mm, (Vec3{5, 15, -3}));
   EXPECT_EQ(welcome.stock.max_mm, (Vec3{15, 25, 4}));
 }

@@ -67,10 +67,9 @@ class Carver {
     ASSERT_TRUE(server_->has_joined());
     net::OutFrame out;
     ASSERT_TRUE(server_->take(out));
-    const auto message =
-        parse_control({reinterpret_cast<const char*>(out.bytes.data()), out.bytes.size()});
-    ASSERT_TRUE(message);
-    const auto& welcome = std::get<Welcome>(*message);
+    const auto message = test::value_of(
+        parse_control({reinterpret_cast<const char*>(out.bytes.data()), out.bytes.size()}));
+    const auto& welcome = std::get<Welcome>(message);
     ASSERT_TRUE(welcome.resume);
     EXPECT_EQ(welcome.resume->resumed, !hello_.resume.empty());
     EXPECT_EQ(welcome.text.find(welcome.resume->token), std::string::npos);

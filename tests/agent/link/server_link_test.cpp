@@ -4,22 +4,14 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/agent/link/fake_server.h"
+#include "tests/support/eventually.h"
 #include "tests/support/test.h"
 
 namespace kerf::agent::server_link_test {
 namespace {
 
 using std::chrono::milliseconds;
-
-/// Waits until the condition holds. The limit only ends a failed test.
-template <typename Condition>
-bool eventually(Condition condition) {
-  for (int i = 0; i < 2000; ++i) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(milliseconds(5));
-  }
-  return false;
-}
+using test::eventually;
 
 /// The samples that a server has received, per connection.
 struct Received {
@@ -89,12 +81,11 @@ TEST_F(ServerLinkTest, SendsHelloAndParsesTheWelcome) {
   });
   ServerLink link(settings(server), samples, wrenches);
   link.start();
-  const auto welcome = link.wait_welcome();
-  ASSERT_TRUE(welcome) << welcome.error();
-  EXPECT_EQ(welcome->participant, 3U);
-  EXPECT_EQ(welcome->pivot_mm, 60);
-  EXPECT_EQ(welcome->stock.min_mm, (Vec3{-50, -50, -50}));
-  EXPECT_EQ(welcome->tool_ids, (std::vector<std::uint32_t>{1, 2}));
+  const auto welcome = test::value_of(link.wait_welcome());
+  EXPECT_EQ(welcome.participant, 3U);
+  EXPECT_EQ(welcome.pivot_mm, 60);
+  EXPECT_EQ(welcome.stock.min_mm, (Vec3{-50, -50, -50}));
+  EXPECT_EQ(welcome.tool_ids, (std::vector<std::uint32_t>{1, 2}));
   EXPECT_EQ(
       nlohmann::json::parse(hello),
       nlohmann::json::parse(
@@ -256,9 +247,7 @@ TEST_F(ServerLinkTest, ErrorInsteadOfWelcomeIsFinal) {
   });
   ServerLink link(settings(server), samples, wrenches);
   link.start();
-  const auto welcome = link.wait_welcome();
-  ASSERT_FALSE(welcome);
-  EXPECT_NE(welcome.error().find("unknown_tool: no tool 2"), std::string::npos);
+  EXPECT_NE(test::error_of(link.wait_welcome()).find("unknown_tool: no tool 2"), std::string::npos);
   link.stop(0);
 }
 
@@ -266,9 +255,8 @@ TEST_F(ServerLinkTest, UnknownSessionIsFinal) {
   FakeServer server([](FakePeer&, int) {}, {.decline_status = 404});
   ServerLink link(settings(server), samples, wrenches);
   link.start();
-  const auto welcome = link.wait_welcome();
-  ASSERT_FALSE(welcome);
-  EXPECT_NE(welcome.error().find("no such block (HTTP 404)"), std::string::npos) << welcome.error();
+  const auto error = test::error_of(link.wait_welcome());
+  EXPECT_NE(error.find("no such block (HTTP 404)"), std::string::npos) << error;
   link.stop(0);
 }
 
@@ -276,9 +264,8 @@ TEST_F(ServerLinkTest, OtherProtocolVersionIsRejected) {
   FakeServer server([](FakePeer& peer, int) { peer.read_text(); }, {.protocol = "kerf.agent.v2"});
   ServerLink link(settings(server), samples, wrenches);
   link.start();
-  const auto welcome = link.wait_welcome();
-  ASSERT_FALSE(welcome);
-  EXPECT_NE(welcome.error().find("kerf.agent.v1"), std::string::npos) << welcome.error();
+  const auto error = test::error_of(link.wait_welcome());
+  EXPECT_NE(error.find("kerf.agent.v1"), std::string::npos) << error;
   link.stop(0);
 }
 
@@ -296,9 +283,8 @@ TEST_F(ServerLinkTest, FailsAfterPatienceIfTheServerIsUnreachable) {
                    .failed = [this] { failed = true; }},
                   samples, wrenches);
   link.start();
-  const auto welcome = link.wait_welcome();
-  ASSERT_FALSE(welcome);
-  EXPECT_NE(welcome.error().find("cannot connect to 127.0.0.1"), std::string::npos);
+  const auto error = test::error_of(link.wait_welcome());
+  EXPECT_NE(error.find("cannot connect to 127.0.0.1"), std::string::npos);
   link.stop(0);
   EXPECT_TRUE(failed);
 }
@@ -311,9 +297,7 @@ TEST_F(ServerLinkTest, InterruptEndsTheWaitForASilentServer) {
   ServerLink link(settings(server), samples, wrenches);
   link.start();
   link.interrupt();
-  const auto welcome = link.wait_welcome();
-  ASSERT_FALSE(welcome);
-  EXPECT_EQ(welcome.error(), "interrupted");
+  EXPECT_EQ(test::error_of(link.wait_welcome()), "interrupted");
   link.stop(0);
 }
 

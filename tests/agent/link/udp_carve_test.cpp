@@ -55,9 +55,8 @@ class UdpCarve : public testing::Test {
     options.udp.on = with_udp;
     options.udp.port = 0;
     options.http.data_folder = folder_.path();
-    auto made = net::Server::create(options);
-    ASSERT_TRUE(made) << made.error();
-    server = std::move(*made);
+    auto made = test::value_of(net::Server::create(options));
+    server = std::move(made);
     const auto listening = server->listen();
     ASSERT_TRUE(listening) << listening.error();
     ASSERT_EQ(server->udp_port() != 0, with_udp);

@@ -86,9 +86,8 @@ TEST(TickMessage, RoundTripsEveryField) {
   mcap::Bytes bytes;
   append_tick(bytes, tick_at(3));
   EXPECT_EQ(bytes.size(), 252U);
-  const auto tick = tick_of(bytes);
-  ASSERT_TRUE(tick);
-  EXPECT_TRUE(same(*tick, tick_at(3)));
+  const auto tick = test::value_of(tick_of(bytes));
+  EXPECT_TRUE(same(tick, tick_at(3)));
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     EXPECT_FALSE(tick_of(std::span(bytes).first(size))) << size;
   }
@@ -111,17 +110,16 @@ TEST_F(RecordTest, ContainsEveryTickAndTheMetadata) {
   EXPECT_EQ(report.lost, 0U);
   EXPECT_EQ(report.error, "");
   EXPECT_EQ(report.bytes, std::filesystem::file_size(file()));
-  const auto recording = read_recording(file());
-  ASSERT_TRUE(recording) << recording.error();
-  EXPECT_FALSE(recording->cut_off);
-  ASSERT_EQ(recording->ticks.size(), kTicks);
+  const auto recording = test::value_of(read_recording(file()));
+  EXPECT_FALSE(recording.cut_off);
+  ASSERT_EQ(recording.ticks.size(), kTicks);
   for (std::uint64_t n = 0; n < kTicks; ++n) {
-    ASSERT_TRUE(same(recording->ticks[n], tick_at(n)));
-    ASSERT_EQ(recording->ticks[n].number, n + 1);
+    ASSERT_TRUE(same(recording.ticks[n], tick_at(n)));
+    ASSERT_EQ(recording.ticks[n].number, n + 1);
   }
-  EXPECT_EQ(recording->about.at("session"), "demo");
-  EXPECT_EQ(recording->end.at("ticks"), "4321");
-  EXPECT_EQ(recording->end.at("lost"), "0");
+  EXPECT_EQ(recording.about.at("session"), "demo");
+  EXPECT_EQ(recording.end.at("ticks"), "4321");
+  EXPECT_EQ(recording.end.at("lost"), "0");
 }
 
 TEST_F(RecordTest, FullTapeCountsDroppedTicks) {
@@ -141,16 +139,14 @@ TEST_F(RecordTest, FullTapeCountsDroppedTicks) {
 TEST_F(RecordTest, NeverOverwritesAFile) {
   record(file(), 10);
   const std::string before = contents(file());
-  const auto again = Recorder::start(file(), {}, "{}");
-  ASSERT_FALSE(again);
-  EXPECT_EQ(again.error(), file() + " exists; choose another name");
+  const auto error = test::error_of(Recorder::start(file(), {}, "{}"));
+  EXPECT_EQ(error, file() + " exists; choose another name");
   EXPECT_EQ(contents(file()), before);
 }
 
 TEST_F(RecordTest, ReportsWhyAFileCannotBeCreated) {
-  const auto recorder = Recorder::start("/nonexistent/a.mcap", {}, "{}");
-  ASSERT_FALSE(recorder);
-  EXPECT_EQ(recorder.error(), "cannot create /nonexistent/a.mcap: No such file or directory");
+  const auto error = test::error_of(Recorder::start("/nonexistent/a.mcap", {}, "{}"));
+  EXPECT_EQ(error, "cannot create /nonexistent/a.mcap: No such file or directory");
 }
 
 TEST_F(RecordTest, FailedWriteIsReportedAndItsTicksAreCounted) {
@@ -166,24 +162,21 @@ TEST_F(RecordTest, FailedWriteIsReportedAndItsTicksAreCounted) {
   EXPECT_EQ(report.error, "cannot write " + file() + ": File too large");
   EXPECT_GT(report.lost, 0U);
   EXPECT_EQ(report.ticks + report.lost, 5000U);
-  const auto recording = read_recording(file());
-  ASSERT_TRUE(recording) << recording.error();
-  EXPECT_EQ(recording->ticks.size(), report.ticks);
+  const auto recording = test::value_of(read_recording(file()));
+  EXPECT_EQ(recording.ticks.size(), report.ticks);
 }
 
 TEST_F(RecordTest, KilledProgramLeavesCompleteChunks) {
   {
-    auto recorder = Recorder::start(file(), {{"session", "demo"}}, "{}");
-    ASSERT_TRUE(recorder);
-    for (std::uint64_t n = 0; n < 2500; ++n) (*recorder)->tape().push(tick_at(n));
+    auto recorder = test::value_of(Recorder::start(file(), {{"session", "demo"}}, "{}"));
+    for (std::uint64_t n = 0; n < 2500; ++n) recorder->tape().push(tick_at(n));
     // Its thread wakes 10 times per second. The destructor writes no more data.
     ASSERT_TRUE(test::eventually([this] { return std::filesystem::file_size(file()) >= 20'000; }));
   }
-  const auto recording = read_recording(file());
-  ASSERT_TRUE(recording) << recording.error();
-  EXPECT_TRUE(recording->cut_off);
-  EXPECT_EQ(recording->ticks.size() % 1000, 0U) << "chunks of a second";
-  EXPECT_GE(recording->ticks.size(), 1000U);
+  const auto recording = test::value_of(read_recording(file()));
+  EXPECT_TRUE(recording.cut_off);
+  EXPECT_EQ(recording.ticks.size() % 1000, 0U) << "chunks of a second";
+  EXPECT_GE(recording.ticks.size(), 1000U);
 }
 
 TEST_F(RecordTest, TruncatedFileIsReadUpToItsLastChunk) {
@@ -229,9 +222,8 @@ TEST_F(RecordTest, ChunksOfOtherWritersNeedNotStateTheirSizeInTheFrame) {
   // A frame of Zstandard with one raw block. Its header has no size of the content.
   constexpr std::string_view kFrame("\x28\xB5\x2F\xFD\0\0\x19\0\0abc", 12);
   ZstdPack pack;
-  const auto text = pack.unpack(std::as_bytes(std::span(kFrame)), 3);
-  ASSERT_TRUE(text);
-  EXPECT_TRUE(std::ranges::equal(*text, std::as_bytes(std::span(std::string_view("abc")))));
+  const auto text = test::value_of(pack.unpack(std::as_bytes(std::span(kFrame)), 3));
+  EXPECT_TRUE(std::ranges::equal(text, std::as_bytes(std::span(std::string_view("abc")))));
   EXPECT_FALSE(pack.unpack(std::as_bytes(std::span(kFrame)), 2));
   EXPECT_FALSE(pack.unpack(std::as_bytes(std::span(kFrame)), 4));
 }
@@ -246,11 +238,10 @@ TEST_F(RecordTest, OtherFilesAreRejectedWithTheReason) {
 
 TEST_F(RecordTest, ReplaysItsPathExactly) {
   record(file(), 500);
-  const auto choice = choose_device_or_recording("replay:" + file());
-  ASSERT_TRUE(choice) << choice.error();
-  EXPECT_EQ(choice->kind, DeviceKind::kReplay);
-  ASSERT_TRUE(choice->script);
-  PathCursor path(*choice->script, false);
+  const auto choice = test::value_of(choose_device_or_recording("replay:" + file()));
+  EXPECT_EQ(choice.kind, DeviceKind::kReplay);
+  ASSERT_TRUE(choice.script);
+  PathCursor path(*choice.script, false);
   for (std::uint64_t n = 0; n < 499; ++n) {
     const PathPoint point = path.at(static_cast<double>(n) * 1e-3);
     EXPECT_NEAR(length(point.tip_mm - tick_at(n).tip_mm), 0, 1e-12);
@@ -266,11 +257,10 @@ TEST_F(RecordTest, TableIsAlsoAPoseList) {
   record(file(), 50);
   std::ostringstream table;
   write_csv(table, *read_recording(file()));
-  const auto script = parse_csv_script("table.csv", table.str());
-  ASSERT_TRUE(script) << to_string(script.error());
-  ASSERT_EQ(script->size(), 50U);
-  EXPECT_EQ(script->back().tip_mm, tick_at(49).tip_mm) << "numbers keep every digit";
-  EXPECT_EQ(script->back().tool_id, 7U);
+  const auto script = test::value_of(parse_csv_script("table.csv", table.str()));
+  ASSERT_EQ(script.size(), 50U);
+  EXPECT_EQ(script.back().tip_mm, tick_at(49).tip_mm) << "numbers keep every digit";
+  EXPECT_EQ(script.back().tool_id, 7U);
   const std::string text = table.str();
   EXPECT_NE(text.find(",felt_fx_n,"), std::string::npos);
   EXPECT_NE(text.find(",active,tip_too_fast,paper,1\n"), std::string::npos);
@@ -290,9 +280,8 @@ TEST_F(RecordTest, StrokesHoldTheMeanForceBetweenTheirPoses) {
     tick.felt = tick.felt * (n % 2 == 0 ? 0.5 : 1.5);
     recording.ticks.push_back(tick);
   }
-  const auto stroke = stroke_of(recording);
-  ASSERT_TRUE(stroke) << stroke.error();
-  const auto& path = std::get<PathGuide>(stroke->shape);
+  const auto stroke = test::value_of(stroke_of(recording));
+  const auto& path = std::get<PathGuide>(stroke.shape);
   EXPECT_TRUE(path.stroke);
   ASSERT_EQ(path.paths.size(), 2U);
   EXPECT_EQ(path.paths[0].front().tip_mm, tick_at(0).tip_mm);
@@ -349,16 +338,14 @@ TEST_F(RecordTest, FollowingAStrokeGivesItsForceAtAnySpeed) {
   for (std::uint64_t n = 0; n < 2000; ++n) recording.ticks.push_back(tick_at(n));
   recording.about = {
       {"stock_min_mm", "-30 -30 -20"}, {"stock_max_mm", "30 30 0"}, {"pivot_mm", "60"}};
-  const auto place = place_of(recording);
-  ASSERT_TRUE(place) << place.error();
-  EXPECT_EQ(place->stock.max_mm, (Vec3{30, 30, 0}));
+  const auto place = test::value_of(place_of(recording));
+  EXPECT_EQ(place.stock.max_mm, (Vec3{30, 30, 0}));
   for (const double mm_per_s : {10.0, 20.0, 40.0}) {
     FollowingHand hand(mm_per_s);
-    const ServoSettings settings = settings_for(
-        hand.capabilities(), {.mode = ForceMode::kSilent, .pivot_mm = place->pivot_mm});
-    const auto stroke = stroke_of(recording);
-    ASSERT_TRUE(stroke) << stroke.error();
-    GuideModel guides({*stroke}, settings, 1);
+    const ServoSettings settings =
+        settings_for(hand.capabilities(), {.mode = ForceMode::kSilent, .pivot_mm = place.pivot_mm});
+    const auto stroke = test::value_of(stroke_of(recording));
+    GuideModel guides({stroke}, settings, 1);
     SampleRing samples;
     LatestValue<ServerWrench> wrenches;
     NoSession session(samples, wrenches);

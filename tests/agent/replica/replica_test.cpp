@@ -47,19 +47,17 @@ class ReplicaTest : public SessionTest, public testing::WithParamInterface<const
     restart();
     in_flight_.clear();
     sequence = other_sequence_ = 0;
-    auto created =
-        registry->create("block" + std::to_string(++blocks_), scene(rays, force), SceneSource{});
-    ASSERT_TRUE(created) << created.error().reason;
-    session_ = *created;
+    auto created = test::value_of(
+        registry->create("block" + std::to_string(++blocks_), scene(rays, force), SceneSource{}));
+    session_ = created;
     self_ =
         session_
             ->join({.kind = ParticipantKind::kAgent, .name = "hand", .color = "", .stock = true})
             .value()
             .id;
     other_ = join(*session_, "other");
-    auto source = BlockSource::read(welcome_of(session_->scene()));
-    ASSERT_TRUE(source) << source.error();
-    replica_.emplace(*std::move(source));
+    auto source = test::value_of(BlockSource::read(welcome_of(session_->scene())));
+    replica_.emplace(std::move(source));
   }
 
   /// Sends the agent's next sample: to the replica at once, to the server `delay` samples later.
@@ -284,11 +282,10 @@ TEST_P(ReplicaTest, RendersContactOfANonCuttingTool) {
   for (int n = 0; n < 40; ++n) send({0, 0, 6 - 0.1 * n}, {0, 0, 1}, 1, 0);
   int touched = 0;
   for (int n = 0; n < 40; ++n) {
-    const auto local = send({0, 0, 1 - 0.1 * n}, {0, 0, 1}, 1, 0);
-    ASSERT_TRUE(local);
-    EXPECT_EQ(local->plane_count, remote_.plane_count);
-    EXPECT_EQ(local->force_n, remote_.force_n);
-    touched += local->force_n.z > 0;
+    const auto local = test::value_of(send({0, 0, 1 - 0.1 * n}, {0, 0, 1}, 1, 0));
+    EXPECT_EQ(local.plane_count, remote_.plane_count);
+    EXPECT_EQ(local.force_n, remote_.force_n);
+    touched += local.force_n.z > 0;
   }
   EXPECT_GT(touched, 20);
 }
@@ -316,9 +313,8 @@ INSTANTIATE_TEST_SUITE_P(Rays, ReplicaTest, testing::Values("dexel", "tri-dexel"
 
 TEST_F(SessionTest, ReplicaDoesNotAnswerWhereTilesAreUnknown) {
   const auto session = start();
-  auto source = BlockSource::read(welcome_of(session->scene()));
-  ASSERT_TRUE(source);
-  Replica replica(*std::move(source));
+  auto source = test::value_of(BlockSource::read(welcome_of(session->scene())));
+  Replica replica(std::move(source));
   EXPECT_FALSE(replica.move(next(0, 0, -1)));
   EXPECT_FALSE(replica.move(next(0.1, 0, -1)));
   EXPECT_EQ(replica.tiles_known(), 0U);
@@ -351,9 +347,8 @@ TEST_F(SessionTest, IncompleteWelcomeIsRejected) {
   EXPECT_FALSE(BlockSource::read("not json"));
   std::string text = welcome_of(session->scene());
   text.replace(text.find("\"ball\""), 6, "\"spoon\"");
-  const auto source = BlockSource::read(text);
-  ASSERT_FALSE(source);
-  EXPECT_NE(source.error().find("spoon"), std::string::npos) << source.error();
+  const auto error = test::error_of(BlockSource::read(text));
+  EXPECT_NE(error.find("spoon"), std::string::npos) << error;
 }
 
 }  // namespace

@@ -155,9 +155,8 @@ TEST_F(SoundFile, ContainsTheWrittenSamples) {
   Synthesizer synthesizer(kSoundHz);
   const std::vector<float> wanted = render(synthesizer, kCut, 0.1);
   {
-    auto card = SoundCard::open(device);
-    ASSERT_TRUE(card) << card.error();
-    EXPECT_TRUE(card->write(wanted));
+    auto card = test::value_of(SoundCard::open(device));
+    EXPECT_TRUE(card.write(wanted));
   }
   EXPECT_EQ(samples(), wanted);
 }
@@ -169,11 +168,10 @@ TEST_F(SoundFile, ReceivesTheServosCut) {
   // The cut fades within 0.9 s of sound, which take longer on a busy machine.
   for (int ms = 900; played.size() < kSoundHz * 9 / 10 && ms < 60'000; ms *= 2) {
     heard.write(kCut);  // no more values: the servo stalls, or has ended
-    auto card = SoundCard::open(device);
-    ASSERT_TRUE(card) << card.error();
+    auto card = test::value_of(SoundCard::open(device));
     const auto start = std::chrono::steady_clock::now();
     {
-      const SoundPlayer player(*std::move(card), kSpindle, heard);
+      const SoundPlayer player(std::move(card), kSpindle, heard);
       std::this_thread::sleep_for(std::chrono::milliseconds(ms));
     }
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
@@ -188,13 +186,9 @@ TEST_F(SoundFile, ReceivesTheServosCut) {
 }
 
 TEST(SoundCard, ErrorNamesTheMissingPart) {
-  const auto library = SoundCard::open("null", "libno_such_sound.so.2");
-  ASSERT_FALSE(library);
-  EXPECT_EQ(library.error(),
-            "libno_such_sound.so.2 is not on this machine (Debian: package libasound2)");
-  const auto other = SoundCard::open("null", "libm.so.6");
-  ASSERT_FALSE(other);
-  EXPECT_EQ(other.error(), "libm.so.6 is not ALSA's");
+  const auto error = test::error_of(SoundCard::open("null", "libno_such_sound.so.2"));
+  EXPECT_EQ(error, "libno_such_sound.so.2 is not on this machine (Debian: package libasound2)");
+  EXPECT_EQ(test::error_of(SoundCard::open("null", "libm.so.6")), "libm.so.6 is not ALSA's");
   if (!SoundCard::open("null")) GTEST_SKIP() << "ALSA is not on this machine";
   testing::internal::CaptureStderr();
   const auto device = SoundCard::open("no_such_device");

@@ -53,12 +53,11 @@ TEST(TrialRun, EachTrialHasBothLoopsAndSilenceOtherwise) {
     EXPECT_NE(modes[0], modes[1]);
     EXPECT_EQ(run.mode(), ForceMode::kSilent) << "during the question";
     kerf_first += modes[0] == ForceMode::kModel ? 1 : 0;
-    const auto result = run.answer(1, n * 1000 + 1'500'000);
-    ASSERT_TRUE(result);
-    EXPECT_EQ(result->intervals[0].mode, modes[0]);
-    EXPECT_EQ(result->correct(), modes[1] == ForceMode::kModel);
-    EXPECT_DOUBLE_EQ(result->reaction_s, 1.5);
-    for (const Interval& interval : result->intervals) {
+    const auto result = test::value_of(run.answer(1, n * 1000 + 1'500'000));
+    EXPECT_EQ(result.intervals[0].mode, modes[0]);
+    EXPECT_EQ(result.correct(), modes[1] == ForceMode::kModel);
+    EXPECT_DOUBLE_EQ(result.reaction_s, 1.5);
+    for (const Interval& interval : result.intervals) {
       EXPECT_EQ(interval.felt.ticks, 100U);
       EXPECT_DOUBLE_EQ(interval.felt.force.error(), interval.mode == ForceMode::kModel ? 0 : 0.5);
     }
@@ -111,30 +110,29 @@ TEST(Study, WritesALineAfterEachAnswer) {
   int keys[2] = {};
   ASSERT_EQ(::pipe(keys), 0);
   constexpr int kTrials = 3;
-  auto study =
-      Study::create(file.string(), {.trials = kTrials, .seed = 5, .interval_ticks = 50}, keys[0]);
-  ASSERT_TRUE(study) << study.error();
+  auto study = test::value_of(
+      Study::create(file.string(), {.trials = kTrials, .seed = 5, .interval_ticks = 50}, keys[0]));
   EXPECT_FALSE(Study::create(file.string(), {}, keys[0])) << "no table is overwritten";
   std::atomic<ForceMode> mode{ForceMode::kSilent};
   std::atomic<bool> done{false};
   std::atomic<int> questions{0};
-  (*study)->start({.set_mode = [&](ForceMode next) { mode.store(next); },
-                   .say =
-                       [&](const std::string& text) {
-                         if (text.ends_with("a or b?")) ++questions;
-                       },
-                   .done = [&] { done.store(true); }});
+  study->start({.set_mode = [&](ForceMode next) { mode.store(next); },
+                .say =
+                    [&](const std::string& text) {
+                      if (text.ends_with("a or b?")) ++questions;
+                    },
+                .done = [&] { done.store(true); }});
   int answered = 0;
   // Its 3 trials of 2 x 500 + 2 x 50 ticks take some seconds. The bound only ends a failed test.
   for (std::uint64_t n = 1; !done.load() && n < 1'000'000; ++n) {
-    (*study)->tape().push(cutting_tick(n, mode.load()));
+    study->tape().push(cutting_tick(n, mode.load()));
     if (questions.load() > answered) {
       ++answered;
       ASSERT_EQ(::write(keys[1], "xb\n", 3), 3) << "other keys are ignored";
     }
     std::this_thread::sleep_for(std::chrono::microseconds(50));
   }
-  const StudyReport report = (*study)->finish();
+  const StudyReport report = study->finish();
   EXPECT_EQ(report.answered, kTrials);
   std::ifstream in(file);
   std::string line;
@@ -162,15 +160,14 @@ TEST(Study, EndsWhenTheKeyboardIsClosed) {
   std::filesystem::remove(file);
   int keys[2] = {};
   ASSERT_EQ(::pipe(keys), 0);
-  auto study = Study::create(file.string(), {}, keys[0]);
-  ASSERT_TRUE(study);
+  auto study = test::value_of(Study::create(file.string(), {}, keys[0]));
   std::atomic<bool> done{false};
-  (*study)->start({.set_mode = [](ForceMode) {},
-                   .say = [](const std::string&) {},
-                   .done = [&] { done.store(true); }});
+  study->start({.set_mode = [](ForceMode) {},
+                .say = [](const std::string&) {},
+                .done = [&] { done.store(true); }});
   ::close(keys[1]);
   EXPECT_TRUE(test::eventually([&done] { return done.load(); }));
-  EXPECT_EQ((*study)->finish().answered, 0);
+  EXPECT_EQ(study->finish().answered, 0);
   ::close(keys[0]);
 }
 
@@ -179,8 +176,8 @@ TEST(Study, UnwritableTableIsReported) {
   std::filesystem::remove(file);
   int keys[2] = {};
   ASSERT_EQ(::pipe(keys), 0);
-  auto study = Study::create(file.string(), {.trials = 1, .seed = 5, .interval_ticks = 5}, keys[0]);
-  ASSERT_TRUE(study) << study.error();
+  auto study = test::value_of(
+      Study::create(file.string(), {.trials = 1, .seed = 5, .interval_ticks = 5}, keys[0]));
   // A limit of the file's size simulates a full disk: the write fails likewise.
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
@@ -189,16 +186,16 @@ TEST(Study, UnwritableTableIsReported) {
   setrlimit(RLIMIT_FSIZE, &small);
   std::atomic<ForceMode> mode{ForceMode::kSilent};
   std::atomic<bool> done{false}, asked{false};
-  (*study)->start({.set_mode = [&](ForceMode next) { mode.store(next); },
-                   .say = [&](const std::string& text) { asked = text.ends_with("a or b?"); },
-                   .done = [&] { done.store(true); }});
+  study->start({.set_mode = [&](ForceMode next) { mode.store(next); },
+                .say = [&](const std::string& text) { asked = text.ends_with("a or b?"); },
+                .done = [&] { done.store(true); }});
   for (std::uint64_t n = 1; !asked.load() && n < 1'000'000; ++n) {
-    (*study)->tape().push(cutting_tick(n, mode.load()));
+    study->tape().push(cutting_tick(n, mode.load()));
     std::this_thread::sleep_for(std::chrono::microseconds(50));
   }
   ASSERT_EQ(::write(keys[1], "a", 1), 1);
   EXPECT_TRUE(test::eventually([&done] { return done.load(); }));
-  const StudyReport report = (*study)->finish();
+  const StudyReport report = study->finish();
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, handler);
   EXPECT_EQ(report.error, "cannot write " + file.string());

@@ -62,33 +62,32 @@ TEST(MeshReader, StopsOnRequest) {
         {MeshFileFormat::k3mf, ModelFormat::k3mf, ModelEncoding::kAscii},
         {MeshFileFormat::kGlb, ModelFormat::kGlb, ModelEncoding::kBinary}}) {
     const std::string bytes = written(as, encoding);
-    const auto ended =
-        read_mesh(format, std::as_bytes(std::span(bytes)), 100'000, stop.get_token());
-    ASSERT_FALSE(ended);
-    EXPECT_STREQ(to_string(ended.error().code), "stopped");
+    const auto error = test::error_of(
+        read_mesh(format, std::as_bytes(std::span(bytes)), 100'000, stop.get_token()));
+    EXPECT_STREQ(to_string(error.code), "stopped");
   }
 }
 
 // -0 is 0; equal vertices get the index of the first one.
 TEST(MeshReader, MergesVerticesInTheOrderOfTheFile) {
-  const auto mesh = read(MeshFileFormat::kObj,
-                         "v 3 0 0\nv 0 0 0\nv 0 2 0\nv -0 0 0\nv 3 0 0\nv 0 0 1\nf 1 2 3\n"
-                         "f 5 4 6\nf 2 4 3\n");
-  ASSERT_TRUE(mesh);
-  EXPECT_EQ(mesh->vertices_mm, (std::vector<Vec3>{{3, 0, 0}, {0, 0, 0}, {0, 2, 0}, {0, 0, 1}}));
-  EXPECT_EQ(mesh->triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 1, 3}}));
+  const auto mesh =
+      test::value_of(read(MeshFileFormat::kObj,
+                          "v 3 0 0\nv 0 0 0\nv 0 2 0\nv -0 0 0\nv 3 0 0\nv 0 0 1\nf 1 2 3\n"
+                          "f 5 4 6\nf 2 4 3\n"));
+  EXPECT_EQ(mesh.vertices_mm, (std::vector<Vec3>{{3, 0, 0}, {0, 0, 0}, {0, 2, 0}, {0, 0, 1}}));
+  EXPECT_EQ(mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 1, 3}}));
 }
 
 TEST(MeshReader, ReadsBackWrittenFiles) {
-  const auto stl = read(MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kBinary));
-  ASSERT_TRUE(stl);
-  EXPECT_GT(stl->triangles.size(), 500U);
-  const auto ascii = read(MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kAscii));
-  ASSERT_TRUE(ascii);
-  const auto ply = read(MeshFileFormat::kPly, written(ModelFormat::kPly, ModelEncoding::kBinary));
-  ASSERT_TRUE(ply);
-  const auto obj = read(MeshFileFormat::kObj, written(ModelFormat::kObj, ModelEncoding::kAscii));
-  ASSERT_TRUE(obj);
+  const auto stl = test::value_of(
+      read(MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kBinary)));
+  EXPECT_GT(stl.triangles.size(), 500U);
+  const auto ascii =
+      test::value_of(read(MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kAscii)));
+  const auto ply = test::value_of(
+      read(MeshFileFormat::kPly, written(ModelFormat::kPly, ModelEncoding::kBinary)));
+  const auto obj =
+      test::value_of(read(MeshFileFormat::kObj, written(ModelFormat::kObj, ModelEncoding::kAscii)));
   // Text contains the shortest number for the same float, not for the same double.
   const auto corners = [](const TriangleMesh& mesh) {
     std::vector<std::array<float, 9>> all;
@@ -103,23 +102,21 @@ TEST(MeshReader, ReadsBackWrittenFiles) {
     }
     return all;
   };
-  EXPECT_EQ(corners(*ascii), corners(*stl));
-  EXPECT_EQ(corners(*obj), corners(*stl));
-  EXPECT_EQ(corners(*ply), corners(*stl));
-  const auto threemf = read(MeshFileFormat::k3mf, written(ModelFormat::k3mf, ModelEncoding::kXml));
-  ASSERT_TRUE(threemf) << threemf.error().reason;
-  EXPECT_EQ(corners(*threemf), corners(*stl));
-  EXPECT_EQ(ply->vertices_mm.size(), stl->vertices_mm.size());
+  EXPECT_EQ(corners(ascii), corners(stl));
+  EXPECT_EQ(corners(obj), corners(stl));
+  EXPECT_EQ(corners(ply), corners(stl));
+  const auto threemf =
+      test::value_of(read(MeshFileFormat::k3mf, written(ModelFormat::k3mf, ModelEncoding::kXml)));
+  EXPECT_EQ(corners(threemf), corners(stl));
+  EXPECT_EQ(ply.vertices_mm.size(), stl.vertices_mm.size());
 }
 
 TEST(MeshReader, ReadsForeignPlyAndObj) {
-  const auto ply = read(MeshFileFormat::kPly, kAsciiPly);
-  ASSERT_TRUE(ply) << ply.error().reason;
-  EXPECT_EQ(ply->vertices_mm.size(), 5U);
-  EXPECT_EQ(ply->triangles.size(), 6U);
-  const auto obj = read(MeshFileFormat::kObj, kObj);
-  ASSERT_TRUE(obj) << obj.error().reason;
-  EXPECT_EQ(*obj, *ply);
+  const auto ply = test::value_of(read(MeshFileFormat::kPly, kAsciiPly));
+  EXPECT_EQ(ply.vertices_mm.size(), 5U);
+  EXPECT_EQ(ply.triangles.size(), 6U);
+  const auto obj = test::value_of(read(MeshFileFormat::kObj, kObj));
+  EXPECT_EQ(obj, ply);
   std::string big =
       "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty short x\n"
       "property float y\nproperty double z\nelement face 1\n"
@@ -129,20 +126,18 @@ TEST(MeshReader, ReadsForeignPlyAndObj) {
     big += std::string(8, '\0');
   }
   big += {3, 0, 0, 0, 1, 0, 2};
-  const auto read_big = read(MeshFileFormat::kPly, big);
-  ASSERT_TRUE(read_big) << read_big.error().reason;
-  EXPECT_EQ(read_big->vertices_mm[1], (Vec3{-1, 0, 0}));
-  EXPECT_EQ(read_big->vertices_mm[2], (Vec3{0, 1, 0}));
+  const auto read_big = test::value_of(read(MeshFileFormat::kPly, big));
+  EXPECT_EQ(read_big.vertices_mm[1], (Vec3{-1, 0, 0}));
+  EXPECT_EQ(read_big.vertices_mm[2], (Vec3{0, 1, 0}));
 }
 
 TEST(MeshReader, ReadsBackWrittenGlb) {
-  const auto stl = read(MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kBinary));
-  ASSERT_TRUE(stl);
+  const auto stl = test::value_of(
+      read(MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kBinary)));
   for (const ModelEncoding encoding : model_encodings(ModelFormat::kGlb)) {
-    auto glb = read(MeshFileFormat::kGlb, written(ModelFormat::kGlb, encoding));
-    ASSERT_TRUE(glb) << glb.error().reason;
-    EXPECT_EQ(mesh_stock_fault(*glb), "");
-    const BoxStock box = mesh_bounds(*glb), expected = mesh_bounds(*stl);
+    auto glb = test::value_of(read(MeshFileFormat::kGlb, written(ModelFormat::kGlb, encoding)));
+    EXPECT_EQ(mesh_stock_fault(glb), "");
+    const BoxStock box = mesh_bounds(glb), expected = mesh_bounds(stl);
     EXPECT_LT(length(box.min_mm - expected.min_mm), 1e-3);
     EXPECT_LT(length(box.max_mm - expected.max_mm), 1e-3);
   }
@@ -154,28 +149,24 @@ TEST(MeshReader, ReadsStripsOfPly) {
       "property float y\nproperty float z\nelement tristrips 1\n"
       "property list int int vertex_indices\nend_header\n"
       "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n1 2 0\n";
-  const auto mesh = read(MeshFileFormat::kPly, head + "8 0 1 2 3 -1 3 5 4\n");
-  ASSERT_TRUE(mesh) << mesh.error().reason;
+  const auto mesh = test::value_of(read(MeshFileFormat::kPly, head + "8 0 1 2 3 -1 3 5 4\n"));
   const std::vector<std::array<std::uint32_t, 3>> expected{{0, 1, 2}, {1, 3, 2}, {3, 5, 4}};
-  EXPECT_EQ(mesh->triangles, expected);
+  EXPECT_EQ(mesh.triangles, expected);
   EXPECT_EQ(code_of(MeshFileFormat::kPly, head + "3 0 1 6\n"), MeshFileErrorCode::kBadIndex);
 }
 
 TEST(MeshReader, JoinsContinuedLinesOfObj) {
   const std::string head = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
   for (const char* end : {"\\\n", "\\\r\n", " \\\n", " \\\r\n  "}) {
-    const auto mesh = read(MeshFileFormat::kObj, head + "f 1 2 3 " + end + " 4\n");
-    ASSERT_TRUE(mesh) << mesh.error().reason;
-    EXPECT_EQ(mesh->triangles.size(), 2U);
+    const auto mesh = test::value_of(read(MeshFileFormat::kObj, head + "f 1 2 3 " + end + " 4\n"));
+    EXPECT_EQ(mesh.triangles.size(), 2U);
   }
-  const auto wrong = read(MeshFileFormat::kObj, head + "f 1 2 \\\n 3 9\n");
-  ASSERT_FALSE(wrong);
-  EXPECT_NE(wrong.error().reason.find("line 6"), std::string::npos) << wrong.error().reason;
+  const auto error = test::error_of(read(MeshFileFormat::kObj, head + "f 1 2 \\\n 3 9\n"));
+  EXPECT_NE(error.reason.find("line 6"), std::string::npos) << error.reason;
 }
 
 TEST(MeshReader, ReadsObjInUtf16) {
-  const auto plain = read(MeshFileFormat::kObj, kObj);
-  ASSERT_TRUE(plain);
+  const auto plain = test::value_of(read(MeshFileFormat::kObj, kObj));
   for (const bool little : {true, false}) {
     std::string wide = little ? "\xff\xfe" : "\xfe\xff";
     const auto put = [&](char high, char low) {
@@ -186,9 +177,8 @@ TEST(MeshReader, ReadsObjInUtf16) {
     put('\x0a', '\x0a');  // a Gurmukhi character, whose bytes are line feeds
     put(0, '\n');
     for (const char c : kObj) put(0, c);
-    const auto mesh = read(MeshFileFormat::kObj, wide);
-    ASSERT_TRUE(mesh) << mesh.error().reason;
-    EXPECT_EQ(*mesh, *plain);
+    const auto mesh = test::value_of(read(MeshFileFormat::kObj, wide));
+    EXPECT_EQ(mesh, plain);
   }
   EXPECT_TRUE(read(MeshFileFormat::kObj, "\xef\xbb\xbf" + kObj));
 }
@@ -204,11 +194,10 @@ TEST(MeshReader, DetectsTheFormatByExtension) {
 }
 
 TEST(MeshReader, MergesEqualVerticesAndDropsTrianglesWithoutThem) {
-  const auto mesh = read(MeshFileFormat::kObj,
-                         "v 0 0 0\nv -0 0 0\nv 1 0 0\nv 0 1 0\nf 1 3 4\nf 2 3 1\nf 2 4 3\n");
-  ASSERT_TRUE(mesh);
-  EXPECT_EQ(mesh->vertices_mm.size(), 3U);
-  EXPECT_EQ(mesh->triangles.size(), 2U);
+  const auto mesh = test::value_of(read(
+      MeshFileFormat::kObj, "v 0 0 0\nv -0 0 0\nv 1 0 0\nv 0 1 0\nf 1 3 4\nf 2 3 1\nf 2 4 3\n"));
+  EXPECT_EQ(mesh.vertices_mm.size(), 3U);
+  EXPECT_EQ(mesh.triangles.size(), 2U);
 }
 
 /// Facets of a file, with each coordinate moved by at most `most_mm`.
@@ -232,19 +221,17 @@ std::string blurred_stl(const TriangleMesh& mesh, double most_mm, unsigned seed)
 }
 
 TEST(MeshReader, JoinsNearlyEqualVerticesAtOpenEdges) {
-  const auto mesh = read(MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kBinary));
-  ASSERT_TRUE(mesh);
+  const auto mesh = test::value_of(
+      read(MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kBinary)));
   for (const double most_mm : {1e-15, 1e-9, 2e-6}) {
-    const auto joined = read(MeshFileFormat::kStl, blurred_stl(*mesh, most_mm, 4));
-    ASSERT_TRUE(joined);
-    EXPECT_EQ(mesh_stock_fault(*joined), "") << most_mm;
-    EXPECT_LE(joined->triangles.size(), mesh->triangles.size());
-    EXPECT_GE(joined->triangles.size(), mesh->triangles.size() * 99 / 100);
+    const auto joined = test::value_of(read(MeshFileFormat::kStl, blurred_stl(mesh, most_mm, 4)));
+    EXPECT_EQ(mesh_stock_fault(joined), "") << most_mm;
+    EXPECT_LE(joined.triangles.size(), mesh.triangles.size());
+    EXPECT_GE(joined.triangles.size(), mesh.triangles.size() * 99 / 100);
   }
   // A larger gap stays a fault, which names the edges.
-  const auto apart = read(MeshFileFormat::kStl, blurred_stl(*mesh, 0.01, 4));
-  ASSERT_TRUE(apart);
-  EXPECT_NE(mesh_stock_fault(*apart), "");
+  const auto apart = test::value_of(read(MeshFileFormat::kStl, blurred_stl(mesh, 0.01, 4)));
+  EXPECT_NE(mesh_stock_fault(apart), "");
 }
 
 TEST(MeshReader, JoinsNothingInAClosedMesh) {
@@ -254,11 +241,10 @@ TEST(MeshReader, JoinsNothingInAClosedMesh) {
       "v 0 0 -1e-9\nv 10 0 -1e-9\nv 0 10 -1e-9\nv 0 0 -5\n"
       "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
       "f 5 6 7\nf 5 8 6\nf 6 8 7\nf 7 8 5\n";
-  const auto mesh = read(MeshFileFormat::kObj, text);
-  ASSERT_TRUE(mesh);
-  EXPECT_EQ(mesh_stock_fault(*mesh), "");
-  EXPECT_EQ(mesh->vertices_mm.size(), 8U);
-  EXPECT_EQ(mesh->triangles.size(), 8U);
+  const auto mesh = test::value_of(read(MeshFileFormat::kObj, text));
+  EXPECT_EQ(mesh_stock_fault(mesh), "");
+  EXPECT_EQ(mesh.vertices_mm.size(), 8U);
+  EXPECT_EQ(mesh.triangles.size(), 8U);
 }
 
 TEST(MeshReader, ReportsReasonAndLocation) {

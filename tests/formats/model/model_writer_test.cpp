@@ -191,10 +191,8 @@ TEST(ModelWriter, ReportsAnUnwritablePathAndLeavesNoFile) {
   for (const ModelFormat format : kModelFormats) {
     SnapshotMesh mesh(carved_block(1));
     const fs::path path = scratch_file("_no_such_folder") / "model";
-    const auto written = write_model(path, mesh, {.format = format});
-    ASSERT_FALSE(written);
-    EXPECT_NE(written.error().reason.find("No such file"), std::string::npos)
-        << written.error().reason;
+    const auto error = test::error_of(write_model(path, mesh, {.format = format}));
+    EXPECT_NE(error.reason.find("No such file"), std::string::npos) << error.reason;
     EXPECT_FALSE(fs::exists(path));
   }
 }

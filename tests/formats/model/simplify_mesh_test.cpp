@@ -96,15 +96,14 @@ TEST(SimplifyMesh, KeepsTheBudgetAndStaysAClosedManifold) {
     const std::size_t all = carved_mesh(seed).triangles.size();
     for (const double share : {0.4, 0.05}) {
       const auto budget = static_cast<std::uint64_t>(share * double(all));
-      const auto result = simplified(seed, {.triangles = budget, .error_mm = {}});
-      ASSERT_TRUE(result) << result.error().reason;
-      EXPECT_EQ(result->original_triangles, all);
-      EXPECT_LE(result->mesh.triangles.size(), budget);
-      EXPECT_GE(result->mesh.triangles.size(), budget * 9 / 10);
-      EXPECT_TRUE(check_edges(result->mesh.triangles).closed_manifold()) << seed << " " << share;
-      EXPECT_EQ(count_crossing(result->mesh), result->crossing_triangles);
+      const auto result = test::value_of(simplified(seed, {.triangles = budget, .error_mm = {}}));
+      EXPECT_EQ(result.original_triangles, all);
+      EXPECT_LE(result.mesh.triangles.size(), budget);
+      EXPECT_GE(result.mesh.triangles.size(), budget * 9 / 10);
+      EXPECT_TRUE(check_edges(result.mesh.triangles).closed_manifold()) << seed << " " << share;
+      EXPECT_EQ(count_crossing(result.mesh), result.crossing_triangles);
       // A twentieth of the triangles is too few for the thin walls.
-      EXPECT_LE(result->crossing_triangles, share < 0.1 ? 12U : 0U) << seed << " " << share;
+      EXPECT_LE(result.crossing_triangles, share < 0.1 ? 12U : 0U) << seed << " " << share;
     }
   }
 }
@@ -114,15 +113,14 @@ TEST(SimplifyMesh, KeepsTheErrorBoundAndReportsTheError) {
   for (unsigned seed = 1; seed <= 2; ++seed) {
     const IndexedMesh exact = carved_mesh(seed);
     for (const double bound_mm : {0.3, 0.1}) {
-      const auto result = simplified(seed, {.triangles = {}, .error_mm = bound_mm});
-      ASSERT_TRUE(result);
-      EXPECT_LE(result->error_mm, bound_mm);
-      EXPECT_LT(result->mesh.triangles.size(), exact.triangles.size() * 9 / 10);
-      EXPECT_TRUE(check_edges(result->mesh.triangles).closed_manifold());
-      EXPECT_EQ(count_crossing(result->mesh), 0U);
-      EXPECT_NEAR(volume(result->mesh), volume(exact), 0.05 * volume(exact));
-      EXPECT_LE(greatest_distance(exact, result->mesh, random), bound_mm);
-      EXPECT_LE(greatest_distance(result->mesh, exact, random), bound_mm);
+      const auto result = test::value_of(simplified(seed, {.triangles = {}, .error_mm = bound_mm}));
+      EXPECT_LE(result.error_mm, bound_mm);
+      EXPECT_LT(result.mesh.triangles.size(), exact.triangles.size() * 9 / 10);
+      EXPECT_TRUE(check_edges(result.mesh.triangles).closed_manifold());
+      EXPECT_EQ(count_crossing(result.mesh), 0U);
+      EXPECT_NEAR(volume(result.mesh), volume(exact), 0.05 * volume(exact));
+      EXPECT_LE(greatest_distance(exact, result.mesh, random), bound_mm);
+      EXPECT_LE(greatest_distance(result.mesh, exact, random), bound_mm);
     }
   }
 }
@@ -130,29 +128,26 @@ TEST(SimplifyMesh, KeepsTheErrorBoundAndReportsTheError) {
 TEST(SimplifyMesh, ReducesABoxToAboutTwelveTriangles) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {12, 8, 5}}, 0.25);
   SnapshotMesh mesh(sculpture.solid());
-  const auto result = simplify_mesh(mesh, {.triangles = {}, .error_mm = 0.01});
-  ASSERT_TRUE(result);
-  EXPECT_LE(result->mesh.triangles.size(), 20U);
-  EXPECT_NEAR(volume(result->mesh), 12 * 8 * 5, 1e-3);
+  const auto result = test::value_of(simplify_mesh(mesh, {.triangles = {}, .error_mm = 0.01}));
+  EXPECT_LE(result.mesh.triangles.size(), 20U);
+  EXPECT_NEAR(volume(result.mesh), 12 * 8 * 5, 1e-3);
 }
 
 TEST(SimplifyMesh, AcceptsABudgetAboveTheNumberOfTriangles) {
   for (const std::uint64_t triangles : {std::uint64_t{1000}, std::uint64_t{1} << 62}) {
     SnapshotMesh box(test::make_sculpture(BoxStock{{0, 0, 0}, {10, 10, 10}}, 1).solid());
-    const auto result = simplify_mesh(box, SimplifyRequest{triangles, std::nullopt});
-    ASSERT_TRUE(result) << result.error().reason;
-    EXPECT_LT(result->original_triangles, 1000U);
-    EXPECT_GT(result->mesh.triangles.size(), 0U);
+    const auto result =
+        test::value_of(simplify_mesh(box, SimplifyRequest{triangles, std::nullopt}));
+    EXPECT_LT(result.original_triangles, 1000U);
+    EXPECT_GT(result.mesh.triangles.size(), 0U);
   }
 }
 
 TEST(SimplifyMesh, ReportsTheTrianglesNeededIfTheBudgetIsTooSmall) {
-  const auto few = simplified(1, {.triangles = 2, .error_mm = {}});
-  ASSERT_FALSE(few);
-  EXPECT_NE(few.error().reason.find("more than the 2 requested"), std::string::npos);
-  const auto both = simplified(1, {.triangles = 100, .error_mm = 0.001});
-  ASSERT_FALSE(both);
-  EXPECT_NE(both.error().reason.find("within 0.001 mm"), std::string::npos) << both.error().reason;
+  const auto error = test::error_of(simplified(1, {.triangles = 2, .error_mm = {}}));
+  EXPECT_NE(error.reason.find("more than the 2 requested"), std::string::npos);
+  const auto both = test::error_of(simplified(1, {.triangles = 100, .error_mm = 0.001}));
+  EXPECT_NE(both.reason.find("within 0.001 mm"), std::string::npos) << both.reason;
 }
 
 TEST(WholeMesh, ReturnsEveryTriangleWithSharpNormalsAtCreases) {

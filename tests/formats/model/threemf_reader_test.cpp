@@ -43,13 +43,12 @@ MeshFileResult read_model(const std::string& text, std::uint64_t most = 1000) {
 }
 
 TEST(ThreemfReader, ReadsItemsInTheFilesUnit) {
-  const auto mesh =
+  const auto mesh = test::value_of(
       read_model(model(tetrahedron("1") + tetrahedron("2", "type=\"support\"") + tetrahedron("7"),
-                       R"(<item objectid="1"/><item objectid="2"/>)", "inch"));
-  ASSERT_TRUE(mesh) << mesh.error().reason;
-  EXPECT_THAT(mesh->vertices_mm,
+                       R"(<item objectid="1"/><item objectid="2"/>)", "inch")));
+  EXPECT_THAT(mesh.vertices_mm,
               ElementsAre(Vec3{0, 0, 0}, Vec3{25.4, 0, 0}, Vec3{0, 25.4, 0}, Vec3{0, 0, 25.4}));
-  EXPECT_EQ(mesh->triangles.size(), 4U);
+  EXPECT_EQ(mesh.triangles.size(), 4U);
 }
 
 TEST(ThreemfReader, PlacesComponentsByTheirTransforms) {
@@ -57,10 +56,9 @@ TEST(ThreemfReader, PlacesComponentsByTheirTransforms) {
   const std::string parts =
       tetrahedron("1") +
       R"(<object id="2"><components><component objectid="1" transform="1 0 0 0 1 0 0 0 1 10 0 0"/></components></object>)";
-  const auto mesh =
-      read_model(model(parts, R"(<item objectid="2" transform="0 1 0 -1 0 0 0 0 1 0 0 5"/>)"));
-  ASSERT_TRUE(mesh) << mesh.error().reason;
-  EXPECT_THAT(mesh->vertices_mm,
+  const auto mesh = test::value_of(
+      read_model(model(parts, R"(<item objectid="2" transform="0 1 0 -1 0 0 0 0 1 0 0 5"/>)")));
+  EXPECT_THAT(mesh.vertices_mm,
               ElementsAre(Vec3{0, 10, 5}, Vec3{0, 11, 5}, Vec3{-1, 10, 5}, Vec3{0, 10, 6}));
   // A mirror image is turned, so that it is not inside out.
   const auto plain = read_model(model(tetrahedron("1"), R"(<item objectid="1"/>)"));
@@ -75,11 +73,11 @@ TEST(ThreemfReader, ReadsObjectsInOtherParts) {
   const std::string root = model(
       R"(<object id="2"><components><component p:path="/3D/Objects/one.model" objectid="1"/></components></object>)",
       R"(<item objectid="2"/>)");
-  const auto mesh = read(test::zip_of({{"_rels/.rels", kRelationships},
-                                       {"3D/part.model", root},
-                                       {"3D/Objects/one.model", model(tetrahedron("1"), "")}}));
-  ASSERT_TRUE(mesh) << mesh.error().reason;
-  EXPECT_EQ(mesh->triangles.size(), 4U);
+  const auto mesh =
+      test::value_of(read(test::zip_of({{"_rels/.rels", kRelationships},
+                                        {"3D/part.model", root},
+                                        {"3D/Objects/one.model", model(tetrahedron("1"), "")}})));
+  EXPECT_EQ(mesh.triangles.size(), 4U);
 }
 
 constexpr const char* kItem = R"(<item objectid="1"/>)";

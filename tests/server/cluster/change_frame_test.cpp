@@ -27,17 +27,16 @@ TEST(ChangeFrame, RoundTrips) {
   FrameHead written = head(3, 9, 1, 4);
   written.is_whole = false;
   const auto bytes = encode_frame(written, rows(5, 42));
-  const auto frame = decode_frame(bytes);
-  ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->head.epoch, 3U);
-  EXPECT_EQ(frame->head.writer, 7U);
-  EXPECT_EQ(frame->head.change, 9U);
-  EXPECT_EQ(frame->head.part, 1U);
-  EXPECT_EQ(frame->head.parts, 4U);
-  EXPECT_FALSE(frame->head.is_whole);
-  EXPECT_EQ(frame->head.before, written.before);
-  EXPECT_EQ(frame->head.after, written.after);
-  EXPECT_TRUE(std::ranges::equal(frame->rows, rows(5, 42)));
+  const auto frame = test::value_of(decode_frame(bytes));
+  EXPECT_EQ(frame.head.epoch, 3U);
+  EXPECT_EQ(frame.head.writer, 7U);
+  EXPECT_EQ(frame.head.change, 9U);
+  EXPECT_EQ(frame.head.part, 1U);
+  EXPECT_EQ(frame.head.parts, 4U);
+  EXPECT_FALSE(frame.head.is_whole);
+  EXPECT_EQ(frame.head.before, written.before);
+  EXPECT_EQ(frame.head.after, written.after);
+  EXPECT_TRUE(std::ranges::equal(frame.rows, rows(5, 42)));
 }
 
 TEST(ChangeFrame, RejectsEveryFlippedBitAndEveryTruncation) {

@@ -40,9 +40,8 @@ TEST_F(LeaseTableTest, ALeaseIsTakenOnlyWhenItHasNotChangedForThreeSeconds) {
 TEST_F(LeaseTableTest, ALeaseLastsAsLongAsItsOwnerStates) {
   Lease lease = held_by("b");
   lease.time = {kSecond};
-  const auto stated = decode_lease(encode_lease(lease));
-  ASSERT_TRUE(stated);
-  table_.note("s", *stated, 7, 0);
+  const auto stated = test::value_of(decode_lease(encode_lease(lease)));
+  table_.note("s", stated, 7, 0);
   table_.note("t", held_by("b"), 8, 0);
   EXPECT_EQ(table_.takeable(kSecond * 31 / 25 - 1), Ids());
   EXPECT_EQ(table_.takeable(kSecond * 31 / 25), Ids{"s"});
@@ -184,17 +183,16 @@ TEST(Lease, RoundTrips) {
   written.shown.participants = 3;
   written.shown.created_ms = 11;
   written.shown.active_ms = 12;
-  const auto read = decode_lease(encode_lease(written));
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->state, LeaseState::kReleased);
-  EXPECT_EQ(std::tie(read->node, read->run, read->address, read->to, read->shown.name),
+  const auto read = test::value_of(decode_lease(encode_lease(written)));
+  EXPECT_EQ(read.state, LeaseState::kReleased);
+  EXPECT_EQ(std::tie(read.node, read.run, read.address, read.to, read.shown.name),
             std::tie(written.node, written.run, written.address, written.to, written.shown.name));
-  EXPECT_EQ(read->epoch, 9U);
-  EXPECT_EQ(read->shown.motions, 5U);
-  EXPECT_EQ(read->shown.removed_mm3, 2.5);
-  EXPECT_EQ(read->shown.participants, 3U);
-  EXPECT_EQ(read->shown.created_ms, 11);
-  EXPECT_EQ(read->shown.active_ms, 12);
+  EXPECT_EQ(read.epoch, 9U);
+  EXPECT_EQ(read.shown.motions, 5U);
+  EXPECT_EQ(read.shown.removed_mm3, 2.5);
+  EXPECT_EQ(read.shown.participants, 3U);
+  EXPECT_EQ(read.shown.created_ms, 11);
+  EXPECT_EQ(read.shown.active_ms, 12);
 }
 
 TEST(Lease, MalformedLeasesAreRejected) {

@@ -34,9 +34,7 @@ class OwnLeasesTest : public test::NatsTest {
 
 TEST_F(OwnLeasesTest, ConcurrentClaimsHaveOneWinner) {
   ASSERT_TRUE(a_->take("s", lease("a", 1), 0));
-  const auto late = b_->take("s", lease("b", 1), 0);
-  ASSERT_FALSE(late);
-  EXPECT_TRUE(late.error().is_lost);
+  EXPECT_TRUE(test::error_of(b_->take("s", lease("b", 1), 0)).is_lost);
   EXPECT_TRUE(a_->fence("s")->is_open());
   EXPECT_FALSE(b_->fence("s")->is_open());
   const std::uint64_t revision = stored().sequence;
@@ -49,9 +47,7 @@ TEST_F(OwnLeasesTest, SucceededOwnerIsFenced) {
   ASSERT_TRUE(a_->take("s", lease("a", 1), 0));
   const auto fence = a_->fence("s");
   ASSERT_TRUE(b_->take("s", lease("b", 2), stored().sequence));
-  const auto renewed = a_->renew("s", {});
-  ASSERT_FALSE(renewed);
-  EXPECT_TRUE(renewed.error().is_lost);
+  EXPECT_TRUE(test::error_of(a_->renew("s", {})).is_lost);
   EXPECT_FALSE(fence->is_open());
   EXPECT_FALSE(a_->find("s"));
   a_->give_back("s", LeaseState::kReleased, {});
@@ -67,20 +63,18 @@ TEST_F(OwnLeasesTest, LeaseOfARolledBackNatsIsReadAndTaken) {
   // Restores the store of an earlier moment.
   ASSERT_TRUE(nats_->delete_stream(kClusterStream));
   ASSERT_TRUE(nats_->make_stream(kClusterStream, kClusterSubjects, 1, Keep::kLastOfSubject));
-  const auto none = b_->take("s", lease("b", 2), seen);
-  ASSERT_FALSE(none);
-  ASSERT_TRUE(none.error().stored);
-  EXPECT_EQ(none.error().stored->revision, 0U);
-  EXPECT_FALSE(none.error().stored->lease);
+  const auto error = test::error_of(b_->take("s", lease("b", 2), seen));
+  ASSERT_TRUE(error.stored);
+  EXPECT_EQ(error.stored->revision, 0U);
+  EXPECT_FALSE(error.stored->lease);
   ASSERT_TRUE(nats_->publish(lease_subject("s"), early.bytes, "early", 0));
 
-  const auto failed = b_->take("s", lease("b", 2), seen);
-  ASSERT_FALSE(failed);
-  EXPECT_EQ(failed.error().reason,
+  const auto failed = test::error_of(b_->take("s", lease("b", 2), seen));
+  EXPECT_EQ(failed.reason,
             "NATS has lost messages: revision 4 of its lease was seen, the newest one now is 1");
-  ASSERT_TRUE(failed.error().stored && failed.error().stored->lease);
-  EXPECT_EQ(failed.error().stored->lease->node, "a");
-  EXPECT_TRUE(b_->take("s", lease("b", 2), failed.error().stored->revision));
+  ASSERT_TRUE(failed.stored && failed.stored->lease);
+  EXPECT_EQ(failed.stored->lease->node, "a");
+  EXPECT_TRUE(b_->take("s", lease("b", 2), failed.stored->revision));
   EXPECT_EQ(decode_lease(stored().bytes)->node, "b");
 }
 

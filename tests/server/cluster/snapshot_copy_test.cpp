@@ -25,9 +25,8 @@ class SnapshotCopyTest : public test::NatsTest {
   void SetUp() override {
     NatsTest::SetUp();
     if (!nats_) return;
-    auto writer = JournalWriter::create(first_, {"demo", kScene, {}, 1});
-    ASSERT_TRUE(writer);
-    writer_.emplace(*std::move(writer));
+    auto writer = test::value_of(JournalWriter::create(first_, {"demo", kScene, {}, 1}));
+    writer_.emplace(std::move(writer));
     ASSERT_TRUE(writer_->append(
         0, DefineTool{1, make_tool(std::vector<ToolPiece>{BallPiece{2, 2}}).value()}));
   }
@@ -93,12 +92,11 @@ TEST_F(SnapshotCopyTest, TakeoverReplaysOnlyRecordsAfterTheNewestSnapshot) {
   EXPECT_EQ(copy.record(), newest);
   ASSERT_TRUE(writer_->append(1, MoveTool{1, {{0, 2, -1}, {0, 0, 1}}, {{0, 3, -1}, {0, 0, 1}}}));
   ASSERT_TRUE(writer_->flush());
-  const auto taken = take_over();
-  ASSERT_TRUE(taken);
+  const auto taken = test::value_of(take_over());
   EXPECT_EQ(fetched_, newest);
-  EXPECT_EQ(taken->snapshot, UsedSnapshot::kNewest);
-  EXPECT_EQ(taken->snapshot_sequence, newest);
-  EXPECT_EQ(taken->hash.hash, replay(first_)->hash.hash);
+  EXPECT_EQ(taken.snapshot, UsedSnapshot::kNewest);
+  EXPECT_EQ(taken.snapshot_sequence, newest);
+  EXPECT_EQ(taken.hash.hash, replay(first_)->hash.hash);
   EXPECT_EQ(read_snapshot_head(previous_snapshot_file(second_))->sequence, before);
 }
 
@@ -122,12 +120,11 @@ TEST_F(SnapshotCopyTest, DamagedSnapshotIsSkippedForTheOneBefore) {
                        .before = {.record = good},
                        .after = {.record = newest}};
   store(encode_frame(head, std::as_bytes(std::span(bytes))));
-  const auto taken = take_over();
-  ASSERT_TRUE(taken);
-  EXPECT_EQ(taken->snapshot, UsedSnapshot::kPrevious);
-  EXPECT_EQ(taken->snapshot_sequence, good);
-  EXPECT_NE(taken->snapshot_fault, "");
-  EXPECT_EQ(taken->hash.hash, replay(first_)->hash.hash);
+  const auto taken = test::value_of(take_over());
+  EXPECT_EQ(taken.snapshot, UsedSnapshot::kPrevious);
+  EXPECT_EQ(taken.snapshot_sequence, good);
+  EXPECT_NE(taken.snapshot_fault, "");
+  EXPECT_EQ(taken.hash.hash, replay(first_)->hash.hash);
 }
 
 TEST_F(SnapshotCopyTest, UnfinishedSnapshotIsIgnored) {
@@ -143,9 +140,8 @@ TEST_F(SnapshotCopyTest, UnfinishedSnapshotIsIgnored) {
                        .before = {.record = good},
                        .after = {.record = good + 5}};
   store(encode_frame(half, bytes));
-  const auto taken = take_over();
-  ASSERT_TRUE(taken);
-  EXPECT_EQ(taken->snapshot_sequence, good);
+  const auto taken = test::value_of(take_over());
+  EXPECT_EQ(taken.snapshot_sequence, good);
   SnapshotCopy next = owner(3);
   const std::uint64_t newest = cut_and_write(20);
   ASSERT_EQ(next.copy(newest, never_), true);
@@ -157,11 +153,10 @@ TEST_F(SnapshotCopyTest, AllRecordsAreReplayedWithoutAUsableSnapshot) {
   ASSERT_EQ(copy.copy(cut_and_write(20), never_), true);
   ASSERT_TRUE(nats_->purge(snapshot_stream("demo"), 2));
   ASSERT_TRUE(nats_->publish(snapshot_subject("demo"), std::vector<std::byte>(10), "bad", 0));
-  const auto taken = take_over();
-  ASSERT_TRUE(taken);
+  const auto taken = test::value_of(take_over());
   EXPECT_FALSE(fetched_);
-  EXPECT_EQ(taken->snapshot, UsedSnapshot::kNone);
-  EXPECT_EQ(taken->hash.hash, replay(first_)->hash.hash);
+  EXPECT_EQ(taken.snapshot, UsedSnapshot::kNone);
+  EXPECT_EQ(taken.hash.hash, replay(first_)->hash.hash);
 }
 
 TEST_F(SnapshotCopyTest, FormerOwnerAddsNothingAndLaterEpochsAreSkipped) {
@@ -171,9 +166,8 @@ TEST_F(SnapshotCopyTest, FormerOwnerAddsNothingAndLaterEpochsAreSkipped) {
   ASSERT_EQ(later.copy(newest, never_), true);
   const std::uint64_t late = cut_and_write(5);
   EXPECT_FALSE(former.copy(late, never_)) << "the stream has other messages than it knows";
-  const auto refused = former.copy(late, never_);
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().find("epoch 3"), std::string::npos) << refused.error();
+  const auto error = test::error_of(former.copy(late, never_));
+  EXPECT_NE(error.find("epoch 3"), std::string::npos) << error;
   EXPECT_FALSE(fetch_snapshots(*nats_, "demo", 3, second_));
   EXPECT_EQ(fetch_snapshots(*nats_, "demo", 4, second_), newest);
 }
@@ -224,11 +218,10 @@ TEST_F(SnapshotCopyTest, CopyIsListedFetchedAndForgottenWithItsSnapshot) {
   EXPECT_FALSE(none.contains("secret")) << none;
 
   ASSERT_EQ(fetch_journal(process_.url(), "demo", second_), 0);
-  const auto fetched = restore(second_);
-  ASSERT_TRUE(fetched);
-  EXPECT_EQ(fetched->snapshot, UsedSnapshot::kNewest);
-  EXPECT_EQ(fetched->snapshot_sequence, record);
-  EXPECT_EQ(fetched->hash.hash, replay(first_)->hash.hash);
+  const auto fetched = test::value_of(restore(second_));
+  EXPECT_EQ(fetched.snapshot, UsedSnapshot::kNewest);
+  EXPECT_EQ(fetched.snapshot_sequence, record);
+  EXPECT_EQ(fetched.hash.hash, replay(first_)->hash.hash);
 
   ASSERT_EQ(forget_copy(process_.url(), "demo"), 0);
   EXPECT_TRUE(nats_->streams()->empty()) << "neither journal nor snapshots";

@@ -63,11 +63,10 @@ TEST(BlockHistory, ReachesAnySetOfStrokesToTheBit) {
         if (set.without.erase(id) == 0) set.without.insert(id);
       }
       test::ThreadWorkers workers(1 + question % 3);
-      const auto tiles =
-          history.change(block.solid(), *history.reach(changed), changed, set, workers);
-      ASSERT_TRUE(tiles) << tiles.error();
-      EXPECT_TRUE(std::ranges::is_sorted(*tiles, {}, &TileReplacement::at));
-      block.replace(*tiles);
+      const auto tiles = test::value_of(
+          history.change(block.solid(), *history.reach(changed), changed, set, workers));
+      EXPECT_TRUE(std::ranges::is_sorted(tiles, {}, &TileReplacement::at));
+      block.replace(tiles);
       ASSERT_EQ(block.state_hash(), job.block(set).state_hash()) << "question " << question;
     }
   }
@@ -99,11 +98,10 @@ TEST(BlockHistory, TilesOutOfReachOfAStrokeDoNotChange) {
   for (int n = 0; n < 6; ++n) {
     const StrokeId stroke = job.strokes()[job.random()() % job.strokes().size()];
     Sculpture block = job.block({});
-    const auto reach = history.reach({stroke});
-    ASSERT_TRUE(reach);
-    tiles += reach->size();
+    const auto reach = test::value_of(history.reach({stroke}));
+    tiles += reach.size();
     const MotionSet without{.last = history.last(), .without = {stroke}};
-    block.replace(*history.carve(*reach, without, alone));
+    block.replace(*history.carve(reach, without, alone));
     EXPECT_EQ(block.state_hash(), job.block(without).state_hash());
   }
   EXPECT_LT(tiles, 6 * history.tiles().size() * 3 / 4);
@@ -208,9 +206,9 @@ TEST(BlockHistory, KeepsCarvedTilesWhenStopped) {
   ASSERT_TRUE(history.catch_up());
   const MotionSet all{.last = history.last()};
   StoppingWorkers stopping;
-  const auto stopped = history.carve(history.tiles(), all, stopping, stopping.token());
-  ASSERT_FALSE(stopped);
-  EXPECT_EQ(stopped.error(), "stopped");
+  const auto error =
+      test::error_of(history.carve(history.tiles(), all, stopping, stopping.token()));
+  EXPECT_EQ(error, "stopped");
   const std::size_t kept = history.tile_bytes();
   EXPECT_GT(kept, 0U);
   SerialWorkers alone;

@@ -73,13 +73,12 @@ TEST(SurfaceMaker, IsTheMotionThatRemovedTheCell) {
       const auto expected = removals(job, set, cells);
       removed += std::ranges::count_if(expected, [](const auto& r) { return r.has_value(); });
       for (std::size_t n = 0; n < cells.size(); ++n) {
-        const auto maker = history.first_to_remove(cells[n], set);
-        ASSERT_TRUE(maker) << maker.error();
-        ASSERT_EQ(maker->has_value(), expected[n].has_value()) << "cell " << n;
-        if (!*maker) continue;
-        EXPECT_EQ((*maker)->record, *expected[n]) << "cell " << n;
-        EXPECT_LE((*maker)->stroke.id, (*maker)->record);
-        EXPECT_FALSE(set.without.contains((*maker)->stroke.id));
+        const auto maker = test::value_of(history.first_to_remove(cells[n], set));
+        ASSERT_EQ(maker.has_value(), expected[n].has_value()) << "cell " << n;
+        if (!maker) continue;
+        EXPECT_EQ(maker->record, *expected[n]) << "cell " << n;
+        EXPECT_LE(maker->stroke.id, maker->record);
+        EXPECT_FALSE(set.without.contains(maker->stroke.id));
       }
     }
     EXPECT_GT(removed, 10);
@@ -92,9 +91,8 @@ TEST(SurfaceMaker, IsEmptyForExistingStock) {
   const SolidSnapshot start = Sculpture::create(job.settings()).value().solid();
   BlockHistory history(journal_records(job.file()), job.settings(), start);
   ASSERT_TRUE(history.catch_up());
-  const auto maker = history.first_to_remove({RayAxis::kZ, 3, 3, 0}, {});
-  ASSERT_TRUE(maker) << maker.error();
-  EXPECT_FALSE(maker->has_value());
+  const auto maker = test::value_of(history.first_to_remove({RayAxis::kZ, 3, 3, 0}, {}));
+  EXPECT_FALSE(maker.has_value());
 }
 
 TEST(SurfaceOwners, AreTheParticipantsThatRemovedTheStockFirst) {
@@ -114,14 +112,13 @@ TEST(SurfaceOwners, AreTheParticipantsThatRemovedTheStockFirst) {
         const std::int32_t depth = std::max(cells[n].depth - static_cast<std::int32_t>(n % 4), 0);
         cells.push_back({cells[n].axis, cells[n].i, cells[n].j, depth});
       }
-      const auto owners = history.owners(cells, set);
-      ASSERT_TRUE(owners) << owners.error();
-      ASSERT_EQ(owners->size(), cells.size());
+      const auto owners = test::value_of(history.owners(cells, set));
+      ASSERT_EQ(owners.size(), cells.size());
       std::set<ParticipantId> found;
       for (std::size_t n = 0; n < cells.size(); ++n) {
         const auto maker = history.first_to_remove(cells[n], set).value();
-        ASSERT_EQ((*owners)[n], maker ? maker->stroke.participant : 0) << "cell " << n;
-        found.insert((*owners)[n]);
+        ASSERT_EQ((owners)[n], maker ? maker->stroke.participant : 0) << "cell " << n;
+        found.insert((owners)[n]);
       }
       EXPECT_GE(found.size(), 3U);
     }
@@ -140,18 +137,16 @@ TEST(SurfaceOwners, AreEmptyWithoutQueries) {
 TEST(ColumnEnd, IsTheNearestOnTheSelectedFace) {
   const SculptureSettings settings = test::job_settings(Rays::kTriDexel, 0.5);
   const SolidSnapshot solid = Sculpture::create(settings).value().solid();
-  const auto top = nearest_end(solid, {10.1, 10.2, 0.03}, {0, 0, 1}, 1);
-  ASSERT_TRUE(top);
-  EXPECT_EQ(top->axis, RayAxis::kZ);
-  EXPECT_TRUE(top->is_top);
-  EXPECT_EQ(top->at_mm, (Vec3{10.25, 10.25, 0}));
-  EXPECT_EQ(top->normal, (Vec3{0, 0, 1}));
+  const auto top = test::value_of(nearest_end(solid, {10.1, 10.2, 0.03}, {0, 0, 1}, 1));
+  EXPECT_EQ(top.axis, RayAxis::kZ);
+  EXPECT_TRUE(top.is_top);
+  EXPECT_EQ(top.at_mm, (Vec3{10.25, 10.25, 0}));
+  EXPECT_EQ(top.normal, (Vec3{0, 0, 1}));
   // At an edge the normal selects the face.
-  const auto side = nearest_end(solid, {0, 10.2, -0.1}, {-1, 0, 0}, 1);
-  ASSERT_TRUE(side);
-  EXPECT_EQ(side->axis, RayAxis::kX);
-  EXPECT_FALSE(side->is_top);
-  EXPECT_EQ(side->at_mm.x, 0);
+  const auto side = test::value_of(nearest_end(solid, {0, 10.2, -0.1}, {-1, 0, 0}, 1));
+  EXPECT_EQ(side.axis, RayAxis::kX);
+  EXPECT_FALSE(side.is_top);
+  EXPECT_EQ(side.at_mm.x, 0);
   EXPECT_FALSE(nearest_end(solid, {10, 10, -5}, {0, 0, 1}, 1));
   EXPECT_FALSE(nearest_end(solid, {1e5, -1e5, 0}, {0, 0, 1}, 1));
 }

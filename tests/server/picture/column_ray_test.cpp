@@ -118,10 +118,9 @@ TEST(ColumnRay, OriginalSurfacesAreNotCut) {
     EXPECT_FALSE(top->is_cut) << n;
     EXPECT_EQ(top->normal, (Vec3{0, 0, 1})) << n;
   }
-  const auto pocket = first_hit(field, {10, 10, 20}, {0, 0, -1});
-  ASSERT_TRUE(pocket);
-  EXPECT_TRUE(pocket->is_cut);
-  EXPECT_NEAR(pocket->point_mm.z, 6, 0.002);
+  const auto pocket = test::value_of(first_hit(field, {10, 10, 20}, {0, 0, -1}));
+  EXPECT_TRUE(pocket.is_cut);
+  EXPECT_NEAR(pocket.point_mm.z, 6, 0.002);
 }
 
 TEST(ColumnRay, PassesThroughAHoleAndMeetsItsWall) {
@@ -131,16 +130,14 @@ TEST(ColumnRay, PassesThroughAHoleAndMeetsItsWall) {
   EXPECT_FALSE(first_hit(field, {10, 10, 30}, {0, 0, -1}));
   EXPECT_FALSE(first_hit(field, {9, 11, -5}, {0, 0, 1})) << "from below";
   EXPECT_FALSE(meets_stock(field, {10, 8, 30}, normalized({0, 0.1, -1})));
-  const auto wall = first_hit(field, {10, 10, 30}, normalized({0.12, 0, -1}));
-  ASSERT_TRUE(wall);
-  EXPECT_NEAR(wall->point_mm.x, 13, 0.1);
-  EXPECT_NEAR(wall->point_mm.z, 5, 1);
-  EXPECT_TRUE(wall->is_cut);
-  EXPECT_LT(wall->normal.x, -0.9) << "towards the axis of the hole";
-  const auto underside = first_hit(field, {5, 5, -5}, {0, 0, 1});
-  ASSERT_TRUE(underside);
-  EXPECT_EQ(underside->normal, (Vec3{0, 0, -1}));
-  EXPECT_FALSE(underside->is_cut);
+  const auto wall = test::value_of(first_hit(field, {10, 10, 30}, normalized({0.12, 0, -1})));
+  EXPECT_NEAR(wall.point_mm.x, 13, 0.1);
+  EXPECT_NEAR(wall.point_mm.z, 5, 1);
+  EXPECT_TRUE(wall.is_cut);
+  EXPECT_LT(wall.normal.x, -0.9) << "towards the axis of the hole";
+  const auto underside = test::value_of(first_hit(field, {5, 5, -5}, {0, 0, 1}));
+  EXPECT_EQ(underside.normal, (Vec3{0, 0, -1}));
+  EXPECT_FALSE(underside.is_cut);
 }
 
 TEST(ColumnRay, MissesTheBlock) {

@@ -52,12 +52,11 @@ TEST_F(PictureCacheTest, ShowsTheNewStateAfterThePauseAndAnOldOneWithoutWork) {
   EXPECT_EQ(made_, 1) << "the block has not changed";
   EXPECT_EQ(same->file, first->file);
   tag_ = "b";
-  const auto newer = get(cache);
-  ASSERT_TRUE(newer);
-  EXPECT_EQ(newer->tag, "b");
-  EXPECT_NE(newer->file, first->file);
+  const auto newer = test::value_of(get(cache));
+  EXPECT_EQ(newer.tag, "b");
+  EXPECT_NE(newer.file, first->file);
   char text = 0;
-  EXPECT_EQ(newer->file->read(0, &text, 1), 1U);
+  EXPECT_EQ(newer.file->read(0, &text, 1), 1U);
   EXPECT_EQ(text, 'b');
 }
 

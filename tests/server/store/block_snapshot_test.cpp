@@ -113,12 +113,11 @@ TEST_F(BlockSnapshots, RestoredBlockContinuesIdentically) {
     for (int n = 0; n < 200; ++n) ASSERT_TRUE(saved.apply(random.motion()));
     ASSERT_TRUE(write_snapshot(file, head_of(saved), saved.state()));
     Sculpture restored = Sculpture::create(settings).value();
-    const auto snapshot = read_snapshot(file, restored);
-    ASSERT_TRUE(snapshot) << snapshot.error().reason;
-    ASSERT_TRUE(restored.restore(snapshot->state));
-    EXPECT_EQ(snapshot->head.session, "block");
-    EXPECT_EQ(snapshot->head.sequence, 77U);
-    EXPECT_EQ(snapshot->head.mark, 4242U);
+    const auto snapshot = test::value_of(read_snapshot(file, restored));
+    ASSERT_TRUE(restored.restore(snapshot.state));
+    EXPECT_EQ(snapshot.head.session, "block");
+    EXPECT_EQ(snapshot.head.sequence, 77U);
+    EXPECT_EQ(snapshot.head.mark, 4242U);
     EXPECT_EQ(read_snapshot_head(file)->motions, 200U);
     expect_equal(restored, saved);
     for (int n = 0; n < 100; ++n) {
@@ -180,9 +179,8 @@ TEST_F(BlockSnapshots, ForgedHeadIsRejectedOrHarmless) {
   ASSERT_TRUE(write_snapshot(file, head_of(sculpture), sculpture.state()));
   std::vector<std::vector<std::byte>> chunks;
   for (ChunkReader in(file, kSnapshotVersion); chunks.empty() || !in.at_end();) {
-    const auto chunk = in.next();
-    ASSERT_TRUE(chunk) << chunk.error();
-    chunks.emplace_back(chunk->begin(), chunk->end());
+    const auto chunk = test::value_of(in.next());
+    chunks.emplace_back(chunk.begin(), chunk.end());
   }
   const Sculpture like = Sculpture::create(settings).value();
   int rejected = 0, accepted = 0;

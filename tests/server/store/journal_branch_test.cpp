@@ -14,24 +14,21 @@ namespace {
 /// kernel carved it again after the tenth.
 void write_carved_again(const std::filesystem::path& file) {
   {
-    auto writer = JournalWriter::create(file, {"demo", "{}", "", 1});
-    ASSERT_TRUE(writer) << describe(writer.error());
+    auto writer = test::value_of(JournalWriter::create(file, {"demo", "{}", "", 1}));
     for (int i = 1; i <= 10; ++i) {
       MoveTool move;
       move.tool = 1;
       move.to.tip_mm = {double(i), 0, 0};
       move.duration_s = 0.001;
-      ASSERT_TRUE(writer->append(1, move));
+      ASSERT_TRUE(writer.append(1, move));
     }
-    ASSERT_TRUE(writer->flush());
+    ASSERT_TRUE(writer.flush());
   }
-  auto database = open_journal(file, SqlMode::kWrite);
-  ASSERT_TRUE(database);
-  ASSERT_TRUE(database->execute("DELETE FROM kernel_versions"));
-  auto writer = JournalWriter::open(file, 10);
-  ASSERT_TRUE(writer) << describe(writer.error());
-  writer->append_recarved(StateHash{10, 42});
-  ASSERT_TRUE(writer->flush());
+  auto database = test::value_of(open_journal(file, SqlMode::kWrite));
+  ASSERT_TRUE(database.execute("DELETE FROM kernel_versions"));
+  auto writer = test::value_of(JournalWriter::open(file, 10));
+  writer.append_recarved(StateHash{10, 42});
+  ASSERT_TRUE(writer.flush());
 }
 
 TEST(JournalBranch, StatesTheKernelOfItsRecordsOnly) {

@@ -69,10 +69,9 @@ class JournalChangeTest : public testing::Test {
   /// Applies all current changes.
   static void pass_on(JournalChanges& changes, JournalCopy& copy) {
     for (;;) {
-      const auto change = changes.next();
-      ASSERT_TRUE(change) << describe(change.error());
-      if (!*change) return;
-      const auto applied = copy.apply(**change);
+      const auto change = test::value_of(changes.next());
+      if (!change) return;
+      const auto applied = copy.apply(*change);
       ASSERT_TRUE(applied) << describe(applied.error());
     }
   }
@@ -84,23 +83,21 @@ class JournalChangeTest : public testing::Test {
 TEST_F(JournalChangeTest, CopyHasEveryRowOfTheJournal) {
   JournalWriter writer = create();
   JournalChanges changes(file_);
-  auto copy = JournalCopy::create(copied_);
-  ASSERT_TRUE(copy);
-  pass_on(changes, *copy);
+  auto copy = test::value_of(JournalCopy::create(copied_));
+  pass_on(changes, copy);
   add_participant(writer, 1, "Ada");
   append_motions(writer, 40);
-  pass_on(changes, *copy);
+  pass_on(changes, copy);
   writer.append(StateHash{40, 0x8000000000000042});
   writer.append(stored("half", 20, "grant"));
   writer.append(stored("first", 1, ""));
   append_motions(writer, 1000);
-  pass_on(changes, *copy);
+  pass_on(changes, copy);
   writer.append(ListChange{.table = "versions", .removed = "half"});
   add_participant(writer, 1, "Ada L.");
-  pass_on(changes, *copy);
-  const auto finished = copy->finish();
-  ASSERT_TRUE(finished) << describe(finished.error());
-  EXPECT_EQ(finished->record, 1040U);
+  pass_on(changes, copy);
+  const auto finished = test::value_of(copy.finish());
+  EXPECT_EQ(finished.record, 1040U);
   const auto rows = dump(file_);
   EXPECT_EQ(dump(copied_), rows);
   EXPECT_EQ(
@@ -113,12 +110,10 @@ TEST_F(JournalChangeTest, ResumedCopyHasEachWholeChangeAtOnce) {
   JournalWriter writer = create();
   JournalChanges changes(file_);
   append_motions(writer, 40);
-  auto first = JournalCopy::create(copied_);
-  ASSERT_TRUE(first);
-  pass_on(changes, *first);
-  const auto end = first->finish();
-  ASSERT_TRUE(end);
-  auto copy = JournalCopy::resume(copied_, *end);
+  auto first = test::value_of(JournalCopy::create(copied_));
+  pass_on(changes, first);
+  const auto end = test::value_of(first.finish());
+  auto copy = JournalCopy::resume(copied_, end);
   ASSERT_TRUE(copy);
   append_motions(writer, 40);
   writer.append(stored("half", 20, "grant"));
@@ -135,7 +130,7 @@ TEST_F(JournalChangeTest, ResumedCopyHasEachWholeChangeAtOnce) {
   EXPECT_EQ(end_of_journal(copied_)->record, 80U) << "a part of a commit is not seen";
   copy = std::unexpected(JournalError{});
   EXPECT_EQ(end_of_journal(copied_)->record, 80U) << "nor kept";
-  EXPECT_FALSE(JournalCopy::resume(copied_, *end)->apply(**change)) << "it follows record 80";
+  EXPECT_FALSE(JournalCopy::resume(copied_, end)->apply(**change)) << "it follows record 80";
 }
 
 AttachmentChange attached(const std::string& name, std::size_t bytes) {
@@ -145,28 +140,25 @@ AttachmentChange attached(const std::string& name, std::size_t bytes) {
 TEST_F(JournalChangeTest, AttachmentsAreCopiedReplacedAndRemoved) {
   JournalWriter writer = create();
   JournalChanges changes(file_);
-  auto first = JournalCopy::create(copied_);
-  ASSERT_TRUE(first);
+  auto first = test::value_of(JournalCopy::create(copied_));
   writer.append(attached("a", 3));
   writer.append(attached("b", 4));
   ASSERT_TRUE(writer.flush());
-  pass_on(changes, *first);
-  const auto end = first->finish();
-  ASSERT_TRUE(end);
+  pass_on(changes, first);
+  const auto end = test::value_of(first.finish());
   EXPECT_EQ(read_attachments(copied_)->size(), 2U);
-  auto copy = JournalCopy::resume(copied_, *end);
-  ASSERT_TRUE(copy);
-  EXPECT_FALSE(copy->take_changed_attachments());
+  auto copy = test::value_of(JournalCopy::resume(copied_, end));
+  EXPECT_FALSE(copy.take_changed_attachments());
   // The newest row is removed and another one is added: the number of rows stays the same.
   writer.append(AttachmentChange{"grant", "b"});
   writer.append(attached("c", 5));
   ASSERT_TRUE(writer.flush());
-  pass_on(changes, *copy);
-  EXPECT_TRUE(copy->take_changed_attachments());
+  pass_on(changes, copy);
+  EXPECT_TRUE(copy.take_changed_attachments());
   EXPECT_EQ(dump(copied_), dump(file_));
   writer.append(attached("a", 6));
   ASSERT_TRUE(writer.flush());
-  pass_on(changes, *copy);
+  pass_on(changes, copy);
   EXPECT_EQ(dump(copied_), dump(file_));
   const auto copied = read_attachments(copied_);
   ASSERT_EQ(copied->size(), 2U);
@@ -175,7 +167,7 @@ TEST_F(JournalChangeTest, AttachmentsAreCopiedReplacedAndRemoved) {
   EXPECT_FALSE(*changes.next()) << "nothing is read twice";
   writer.append(AttachmentChange{});
   ASSERT_TRUE(writer.flush());
-  pass_on(changes, *copy);
+  pass_on(changes, copy);
   EXPECT_TRUE(read_attachments(copied_)->empty());
 }
 
@@ -184,16 +176,15 @@ TEST_F(JournalChangeTest, LargeAttachmentsAreSplitAndOnlyTheLastPartIsWhole) {
   for (const char* name : {"a", "b", "c"}) writer.append(attached(name, kChangeBytes));
   ASSERT_TRUE(writer.flush());
   JournalChanges changes(file_);
-  auto copy = JournalCopy::create(copied_);
-  ASSERT_TRUE(copy);
+  auto copy = test::value_of(JournalCopy::create(copied_));
   for (const bool is_whole : {false, false, true}) {
     const auto change = changes.next();
     ASSERT_TRUE(change && *change);
     EXPECT_EQ((*change)->is_whole, is_whole);
-    ASSERT_TRUE(copy->apply(**change));
+    ASSERT_TRUE(copy.apply(**change));
   }
   EXPECT_FALSE(*changes.next());
-  ASSERT_TRUE(copy->finish());
+  ASSERT_TRUE(copy.finish());
   EXPECT_EQ(dump(copied_), dump(file_));
 }
 
@@ -218,15 +209,13 @@ TEST_F(JournalChangeTest, CopyHasNoEpochUntilASessionRunsOnIt) {
   JournalChanges changes(file_);
   create();
   EXPECT_EQ(epoch_written(file_), 1U);
-  auto first = JournalCopy::create(copied_);
-  ASSERT_TRUE(first);
-  pass_on(changes, *first);
-  const auto end = first->finish();
-  ASSERT_TRUE(end);
+  auto first = test::value_of(JournalCopy::create(copied_));
+  pass_on(changes, first);
+  const auto end = test::value_of(first.finish());
   EXPECT_EQ(epoch_written(copied_), 0U);
   ASSERT_TRUE(JournalWriter::open(copied_, 0));
   EXPECT_EQ(epoch_written(copied_), 2U);
-  ASSERT_TRUE(JournalCopy::resume(copied_, *end));
+  ASSERT_TRUE(JournalCopy::resume(copied_, end));
   EXPECT_EQ(epoch_written(copied_), 0U);
 }
 
@@ -245,8 +234,7 @@ TEST_F(JournalChangeTest, NothingIsReadTwice) {
 }
 
 TEST_F(JournalChangeTest, AnotherProcessContinuesTheCopy) {
-  auto copy = JournalCopy::create(copied_);
-  ASSERT_TRUE(copy);
+  auto copy = test::value_of(JournalCopy::create(copied_));
   CopyPosition position;
   {
     JournalWriter writer = create();
@@ -255,19 +243,17 @@ TEST_F(JournalChangeTest, AnotherProcessContinuesTheCopy) {
     writer.append(StateHash{100, 5});  // replaced by another kernel's
     ASSERT_TRUE(writer.flush());
     JournalChanges changes(file_);
-    pass_on(changes, *copy);
+    pass_on(changes, copy);
     position = changes.position();
   }
-  auto writer = JournalWriter::open(file_, 100);
-  ASSERT_TRUE(writer);
-  writer->append_recarved(StateHash{100, 7});
-  append_motions(*writer, 5);
+  auto writer = test::value_of(JournalWriter::open(file_, 100));
+  writer.append_recarved(StateHash{100, 7});
+  append_motions(writer, 5);
   JournalChanges changes(file_);
-  const auto continues = changes.begin(position);
+  const auto continues = test::value_of(changes.begin(position));
   ASSERT_TRUE(continues);
-  ASSERT_TRUE(*continues);
-  pass_on(changes, *copy);
-  ASSERT_TRUE(copy->finish());
+  pass_on(changes, copy);
+  ASSERT_TRUE(copy.finish());
   EXPECT_EQ(dump(copied_), dump(file_));
 }
 
@@ -295,42 +281,38 @@ TEST_F(JournalChangeTest, AnotherJournalDoesNotContinueTheCopy) {
 TEST_F(JournalChangeTest, ChangesAfterTheLastWholeOneAreLeftOut) {
   JournalWriter writer = create();
   JournalChanges changes(file_);
-  auto copy = JournalCopy::create(copied_);
-  ASSERT_TRUE(copy);
+  auto copy = test::value_of(JournalCopy::create(copied_));
   append_motions(writer, 10);
-  pass_on(changes, *copy);
+  pass_on(changes, copy);
   const auto rows = dump(file_);
   append_motions(writer, 10);
   auto change = changes.next();
   ASSERT_TRUE(*change);
   (*change)->is_whole = false;
-  ASSERT_TRUE(copy->apply(**change));
-  const auto finished = copy->finish();
-  ASSERT_TRUE(finished) << describe(finished.error());
-  EXPECT_EQ(finished->record, 10U);
+  ASSERT_TRUE(copy.apply(**change));
+  const auto finished = test::value_of(copy.finish());
+  EXPECT_EQ(finished.record, 10U);
   EXPECT_EQ(dump(copied_), rows);
 }
 
 TEST_F(JournalChangeTest, ContinuesFromTheLastWholeChange) {
   JournalWriter writer = create();
   JournalChanges changes(file_);
-  auto copy = JournalCopy::create(copied_);
-  ASSERT_TRUE(copy);
+  auto copy = test::value_of(JournalCopy::create(copied_));
   append_motions(writer, 10);
-  pass_on(changes, *copy);
+  pass_on(changes, copy);
   const CopyPosition whole = changes.position();
   append_motions(writer, 10);
   auto change = changes.next();
   ASSERT_TRUE(*change);
   (*change)->is_whole = false;
-  ASSERT_TRUE(copy->apply(**change));
+  ASSERT_TRUE(copy.apply(**change));
   JournalChanges successor(file_);
   ASSERT_TRUE(*successor.begin(whole));
   append_motions(writer, 10);
-  pass_on(successor, *copy);
-  const auto finished = copy->finish();
-  ASSERT_TRUE(finished) << describe(finished.error());
-  EXPECT_EQ(finished->record, 30U);
+  pass_on(successor, copy);
+  const auto finished = test::value_of(copy.finish());
+  EXPECT_EQ(finished.record, 30U);
   EXPECT_EQ(dump(copied_), dump(file_));
 }
 
@@ -350,9 +332,8 @@ TEST_F(JournalChangeTest, ACopyWithoutAWholeChangeIsNotFinished) {
   JournalWriter writer = create();
   append_motions(writer, 10);
   {
-    auto copy = JournalCopy::create(copied_);
-    ASSERT_TRUE(copy);
-    EXPECT_FALSE(copy->finish());
+    auto copy = test::value_of(JournalCopy::create(copied_));
+    EXPECT_FALSE(copy.finish());
   }
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 3)
       << "more than the journal and its side files is left";
@@ -365,13 +346,12 @@ TEST_F(JournalChangeTest, NonconsecutiveOrMalformedChangesAreRejected) {
   const auto first = changes.next();
   append_motions(writer, 10);
   const auto second = changes.next();
-  auto copy = JournalCopy::create(copied_);
-  ASSERT_TRUE(copy);
-  EXPECT_EQ(copy->apply(**second).error().code, JournalErrorCode::kCorrupt);
+  auto copy = test::value_of(JournalCopy::create(copied_));
+  EXPECT_EQ(copy.apply(**second).error().code, JournalErrorCode::kCorrupt);
   JournalChange foreign = **first;
   foreign.rows.back() = std::byte{0xFF};
   foreign.rows.push_back(std::byte{99});
-  EXPECT_EQ(copy->apply(foreign).error().code, JournalErrorCode::kCorrupt);
+  EXPECT_EQ(copy.apply(foreign).error().code, JournalErrorCode::kCorrupt);
   JournalChange cut = **first;
   cut.rows.pop_back();
   auto other = JournalCopy::create(folder_ / "other.kerf").value();
@@ -387,9 +367,8 @@ TEST_F(JournalChangeTest, ACopyWithADamagedRecordIsNotFinished) {
   // The batch follows the origin. Its bytes are the longest run of the rows.
   auto& rows = (*change)->rows;
   rows[rows.size() / 2] ^= std::byte{1};
-  auto copy = JournalCopy::create(copied_);
-  ASSERT_TRUE(copy);
-  EXPECT_TRUE(!copy->apply(**change) || !copy->finish());
+  auto copy = test::value_of(JournalCopy::create(copied_));
+  EXPECT_TRUE(!copy.apply(**change) || !copy.finish());
   EXPECT_FALSE(std::filesystem::exists(copied_));
 }
 

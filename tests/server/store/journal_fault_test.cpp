@@ -170,9 +170,7 @@ TEST_F(JournalFaults, FinishOnAFullDiskReportsTheLossAndKeepsDurableRecords) {
   ASSERT_TRUE(writer->flush());
   disk.fail({DiskFault::kNoSpace, FaultTarget::kAll, 0});
   append_until_paused(*writer);
-  const auto finished = writer->finish();
-  ASSERT_FALSE(finished);
-  EXPECT_EQ(finished.error().code, JournalErrorCode::kIo);
+  EXPECT_EQ(test::error_of(writer->finish()).code, JournalErrorCode::kIo);
   EXPECT_FALSE(append(*writer));
   EXPECT_FALSE(writer->flush());
   disk.heal();
@@ -258,26 +256,25 @@ TEST_F(JournalFaults, AfterRandomFaultsTheJournalIsAPrefixWithEverythingDurable)
     accepted = 0;
     disk.heal();
     remove_journal(file);
-    auto writer = JournalWriter::create(file, header);
-    ASSERT_TRUE(writer) << describe(writer.error());
+    auto writer = test::value_of(JournalWriter::create(file, header));
     std::uint64_t durable = 0;
     for (std::uint64_t round = 0; round < 1 + below(4); ++round) {
       const FaultRule rule{kFaults[below(4)], kTargets[below(3)], below(60'000)};
       SCOPED_TRACE("life " + std::to_string(life) + ": " + name_of(rule));
       if (below(5) != 0) disk.fail(rule);
       for (std::uint64_t step = 0; step < 1 + below(12); ++step) {
-        for (std::uint64_t i = below(300); i-- > 0 && append(*writer);) {
+        for (std::uint64_t i = below(300); i-- > 0 && append(writer);) {
         }
-        if (below(2) == 0 && accepted > 0) writer->append(StateHash{accepted, accepted});
-        if (below(3) == 0 && writer->flush()) durable = accepted;
+        if (below(2) == 0 && accepted > 0) writer.append(StateHash{accepted, accepted});
+        if (below(3) == 0 && writer.flush()) durable = accepted;
       }
-      pauses += writer->figures().failed_commits;
+      pauses += writer.figures().failed_commits;
       expect_prefix(motions_after_a_crash(), durable);  // heals the disk
-      ASSERT_TRUE(writer->flush());
+      ASSERT_TRUE(writer.flush());
       durable = accepted;
       expect_prefix(motions_after_a_crash(), durable);
     }
-    ASSERT_TRUE(writer->finish());
+    ASSERT_TRUE(writer.finish());
     const auto found = motions_of(file);
     EXPECT_EQ(found.size(), accepted);
     expect_prefix(found, durable);

@@ -17,25 +17,23 @@ class JournalTogether : public testing::Test {
 
 TEST_F(JournalTogether, GroupedCommandsAreCommittedTogether) {
   constexpr int kTogether = 40, kTimes = 400, kFlushed = 100;
-  auto writer = JournalWriter::create(file_, kHeader);
-  ASSERT_TRUE(writer) << describe(writer.error());
+  auto writer = test::value_of(JournalWriter::create(file_, kHeader));
   {
     // Commits the buffer as often as possible.
     const std::jthread committer([&](const std::stop_token& stop) {
-      while (!stop.stop_requested()) ASSERT_TRUE(writer->flush());
+      while (!stop.stop_requested()) ASSERT_TRUE(writer.flush());
     });
     const std::vector<RecordedCommand> changes(kTogether, StrokeChange{1, true});
     for (int n = 1; n <= kTimes; ++n) {
-      const auto last = writer->append_together(1, changes);
-      ASSERT_TRUE(last) << describe(last.error());
-      EXPECT_EQ(*last, static_cast<std::uint64_t>(kTogether * n));
+      const auto last = test::value_of(writer.append_together(1, changes));
+      EXPECT_EQ(last, static_cast<std::uint64_t>(kTogether * n));
       // However fast this loop is, some changes are appended after others have been committed.
       if (n % kFlushed == 0) {
-        ASSERT_TRUE(writer->flush());
+        ASSERT_TRUE(writer.flush());
       }
     }
   }
-  ASSERT_TRUE(writer->finish());
+  ASSERT_TRUE(writer.finish());
   const auto count = [this](const std::string& question) {
     return open_journal(file_, SqlMode::kRead)->integer(question).value();
   };
@@ -45,14 +43,11 @@ TEST_F(JournalTogether, GroupedCommandsAreCommittedTogether) {
 }
 
 TEST_F(JournalTogether, GroupedCommandsAreRejectedTogether) {
-  auto writer = JournalWriter::create(file_, kHeader);
-  ASSERT_TRUE(writer) << describe(writer.error());
+  auto writer = test::value_of(JournalWriter::create(file_, kHeader));
   const std::vector<RecordedCommand> many(kJournalBufferRecords + 1, StrokeChange{1, true});
-  const auto rejected = writer->append_together(1, many);
-  ASSERT_FALSE(rejected);
-  EXPECT_EQ(rejected.error().code, JournalErrorCode::kFull);
-  EXPECT_EQ(writer->last_sequence(), 0U);
-  EXPECT_EQ(writer->lag(), 0U);
+  EXPECT_EQ(test::error_of(writer.append_together(1, many)).code, JournalErrorCode::kFull);
+  EXPECT_EQ(writer.last_sequence(), 0U);
+  EXPECT_EQ(writer.lag(), 0U);
 }
 
 }  // namespace

@@ -15,11 +15,10 @@ constexpr std::size_t kSchemaPage = 4096;  ///< the first page of the file has t
 /// Writes a journal that has every table.
 void write_journal(const std::filesystem::path& file) {
   ASSERT_TRUE(JournalWriter::create(file, {"demo", "{}", "", 1}));
-  auto database = open_journal(file, SqlMode::kWrite);
-  ASSERT_TRUE(database);
+  auto database = test::value_of(open_journal(file, SqlMode::kWrite));
   for (const JournalTable& table : kJournalTables) {
     if (!table.create.empty()) {
-      ASSERT_TRUE(database->execute(std::string(table.create)));
+      ASSERT_TRUE(database.execute(std::string(table.create)));
     }
   }
 }

@@ -20,14 +20,13 @@ TEST(RecordBatch, DecodesToTheSameBits) {
   for (int n = 0; n < 2 * BatchEncoder::kBatchesPerRestart; ++n) {
     const auto records = random_records(random, 1 + random() % 40);
     const auto bytes = encoder.encode(records);
-    const auto decoded = decoder.decode(bytes, records.size());
-    ASSERT_TRUE(decoded) << decoded.error();
-    ASSERT_EQ(decoded->size(), records.size());
+    const auto decoded = test::value_of(decoder.decode(bytes, records.size()));
+    ASSERT_EQ(decoded.size(), records.size());
     for (std::size_t i = 0; i < records.size(); ++i) {
-      EXPECT_EQ((*decoded)[i].participant, records[i].participant);
-      EXPECT_EQ((*decoded)[i].begins_stroke, records[i].begins_stroke);
+      EXPECT_EQ((decoded)[i].participant, records[i].participant);
+      EXPECT_EQ((decoded)[i].begins_stroke, records[i].begins_stroke);
       // Bit for bit: -0 differs from 0.
-      EXPECT_EQ(encode_command((*decoded)[i].command), encode_command(records[i].command));
+      EXPECT_EQ(encode_command((decoded)[i].command), encode_command(records[i].command));
     }
   }
 }
@@ -47,10 +46,9 @@ TEST(RecordBatch, ExtremeNumbersAreKept) {
     move.duration_s = value;
     records.push_back({std::numeric_limits<ParticipantId>::max(), move, true});
   }
-  const auto decoded = decoder.decode(encoder.encode(records), records.size());
-  ASSERT_TRUE(decoded) << decoded.error();
+  const auto decoded = test::value_of(decoder.decode(encoder.encode(records), records.size()));
   for (std::size_t i = 0; i < records.size(); ++i) {
-    EXPECT_EQ(encode_command((*decoded)[i].command), encode_command(records[i].command)) << i;
+    EXPECT_EQ(encode_command((decoded)[i].command), encode_command(records[i].command)) << i;
   }
 }
 
@@ -74,10 +72,9 @@ TEST(RecordBatch, ADurationBetweenMicrosecondsTakesItsEightBytesAndNoWholeComman
   const auto records = program_records(1000);
   const auto bytes = encoder.encode(records);
   EXPECT_LT(bytes.size(), 1000 * 18U);
-  const auto decoded = decoder.decode(bytes, records.size());
-  ASSERT_TRUE(decoded) << decoded.error();
+  const auto decoded = test::value_of(decoder.decode(bytes, records.size()));
   for (std::size_t i = 0; i < records.size(); ++i) {
-    EXPECT_EQ(encode_command((*decoded)[i].command), encode_command(records[i].command)) << i;
+    EXPECT_EQ(encode_command((decoded)[i].command), encode_command(records[i].command)) << i;
   }
 }
 
@@ -170,12 +167,11 @@ TEST(JournalVersion1, IsReadAndContinuedWithBatches) {
   EXPECT_EQ(JournalReader::open(file)->participants().size(), 3U);
   EXPECT_EQ(JournalReader::open(file)->state_hashes().back().hash, 0x81bcc4ed0f2d65feU);
   for (int n = 0; n < 2; ++n) {
-    auto writer = JournalWriter::open(file, 43U + static_cast<std::uint64_t>(n));
-    ASSERT_TRUE(writer) << describe(writer.error());
-    EXPECT_EQ(writer->durable_sequence(), 43U + static_cast<std::uint64_t>(n));
-    writer->append(JournalParticipant{4, "Eve", "#112233", "agent",
-                                      hash_token("0123456789abcdef0123456789abcdef")});
-    ASSERT_TRUE(writer->append(4, before[42].command, {5, true}));
+    auto writer = test::value_of(JournalWriter::open(file, 43U + static_cast<std::uint64_t>(n)));
+    EXPECT_EQ(writer.durable_sequence(), 43U + static_cast<std::uint64_t>(n));
+    writer.append(JournalParticipant{4, "Eve", "#112233", "agent",
+                                     hash_token("0123456789abcdef0123456789abcdef")});
+    ASSERT_TRUE(writer.append(4, before[42].command, {5, true}));
   }
   auto after = read(RecordOrder::kSequence);
   ASSERT_EQ(after.size(), 45U);

@@ -23,13 +23,12 @@ TEST(RecordSpan, HasTheseBytes) {
                       0, 0, 0xFE, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 5, 0, 0,    0,
                       0, 0, 0,    0,    0xFF, 0xFF, 0xFF, 0xFF, 2,    0,    0, 0, 0xAB, 0xCD}));
   std::span<const std::byte> rest = span;
-  const auto row = take_span_row(rest);
-  ASSERT_TRUE(row);
+  const auto row = test::value_of(take_span_row(rest));
   EXPECT_TRUE(rest.empty());
-  EXPECT_EQ(row->head.first, 0x0102U);
-  EXPECT_EQ(row->head.wall_ms, -2);
-  EXPECT_EQ(row->crc, -1);
-  EXPECT_TRUE(std::ranges::equal(row->bytes, content));
+  EXPECT_EQ(row.head.first, 0x0102U);
+  EXPECT_EQ(row.head.wall_ms, -2);
+  EXPECT_EQ(row.crc, -1);
+  EXPECT_TRUE(std::ranges::equal(row.bytes, content));
 }
 
 TEST(RecordSpan, TruncatedOrImpossibleSpanIsRejected) {
@@ -52,11 +51,10 @@ TEST(RecordSpan, TruncatedOrImpossibleSpanIsRejected) {
 TEST(JournalOrigin, RoundTrips) {
   const JournalOrigin origin{"block", "{}", {{"a.stl", std::string("\0x", 2)}, {"b.ply", ""}}};
   const std::vector<std::byte> bytes = encode_origin(origin);
-  const auto read = read_origin(bytes);
-  ASSERT_TRUE(read) << read.error();
-  EXPECT_EQ(read->session, origin.session);
-  EXPECT_EQ(read->scene_json, origin.scene_json);
-  EXPECT_EQ(read->files, origin.files);
+  const auto read = test::value_of(read_origin(bytes));
+  EXPECT_EQ(read.session, origin.session);
+  EXPECT_EQ(read.scene_json, origin.scene_json);
+  EXPECT_EQ(read.files, origin.files);
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     EXPECT_FALSE(read_origin(std::span(bytes).first(size))) << size;
   }

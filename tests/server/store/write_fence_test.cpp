@@ -30,23 +30,20 @@ TEST(WriteFence, CannotBeOpenedAgainOnceItHasEnded) {
 
 TEST(WriteFence, AJournalAcceptsCommandsOnlyWhileItIsOpen) {
   const test::TemporaryFolder folder;
-  auto writer = JournalWriter::create(folder / "demo.kerf", {"demo", "{}", {}, 1});
-  ASSERT_TRUE(writer);
+  auto writer = test::value_of(JournalWriter::create(folder / "demo.kerf", {"demo", "{}", {}, 1}));
   const auto fence = std::make_shared<WriteFence>();
-  writer->keep_within(fence);
-  const auto refused = writer->append(1, MoveTool{});
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, JournalErrorCode::kLease);
-  EXPECT_TRUE(writer->is_fenced());
-  EXPECT_EQ(writer->pause()->code, JournalErrorCode::kLease);
+  writer.keep_within(fence);
+  EXPECT_EQ(test::error_of(writer.append(1, MoveTool{})).code, JournalErrorCode::kLease);
+  EXPECT_TRUE(writer.is_fenced());
+  EXPECT_EQ(writer.pause()->code, JournalErrorCode::kLease);
   fence->extend(Clock::boot_ns() + kHour);
-  EXPECT_EQ(writer->append(1, MoveTool{}), 1U);
-  EXPECT_FALSE(writer->is_fenced());
-  EXPECT_FALSE(writer->pause());
+  EXPECT_EQ(writer.append(1, MoveTool{}), 1U);
+  EXPECT_FALSE(writer.is_fenced());
+  EXPECT_FALSE(writer.pause());
   fence->end();
-  EXPECT_FALSE(writer->append(1, MoveTool{}));
-  ASSERT_TRUE(writer->flush()) << "what was accepted is committed";
-  EXPECT_EQ(writer->durable_sequence(), 1U);
+  EXPECT_FALSE(writer.append(1, MoveTool{}));
+  ASSERT_TRUE(writer.flush()) << "what was accepted is committed";
+  EXPECT_EQ(writer.durable_sequence(), 1U);
 }
 
 TEST(RaiseEpoch, NextOpeningHasAtLeastThatEpoch) {
