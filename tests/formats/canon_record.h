@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <string>
-#include <vector>
-
 #include "server/formats/gcode/reader.h"
+#include "tests/support/test.h"
 
 namespace kerf::test {
 

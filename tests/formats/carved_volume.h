@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include "kernel/sculpture.h"
 #include "server/formats/program.h"
 #include "server/formats/scene.h"
+#include "tests/support/test.h"
 
 namespace kerf::test {
 

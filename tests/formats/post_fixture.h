@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <array>
-#include <optional>
-#include <sstream>
-#include <string>
-#include <utility>
-
 #include "server/formats/post.h"
 #include "server/formats/program_writer.h"
 #include "tests/formats/scene_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf::test {
 

@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "server/formats/program.h"
 #include "server/formats/scene.h"
+#include "tests/support/test.h"
 
 namespace kerf::test {
 

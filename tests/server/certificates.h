@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
 #include <openssl/evp.h>
 #include <openssl/pem.h>
 #include <openssl/x509v3.h>
 
-#include <cstdio>
-#include <filesystem>
-#include <memory>
-#include <string>
+#include "tests/support/test.h"
 
 namespace kerf::test {
 

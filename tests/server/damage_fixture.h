@@ -1,15 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "server/http/api.h"
 #include "server/matters.h"
@@ -17,6 +9,7 @@
 #include "server/store/block_snapshot.h"
 #include "server/store/sqlite.h"
 #include "tests/server/session_fixture.h"
+#include "tests/support/test.h"
 
 namespace kerf {
 

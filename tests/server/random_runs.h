@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <cstdlib>
+#include "tests/support/test.h"
 
 namespace kerf {
 

@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "server/session/session_registry.h"
 #include "tests/server/manual_executor.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf {
 

@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
 #include <meshoptimizer.h>
 
-#include <algorithm>
-#include <array>
-#include <cstring>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
 #include "kernel/dexel/tile_index.h"
 #include "kernel/math/vec3.h"
+#include "tests/support/test.h"
 
 namespace kerf::test {
 

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
 #include <minizip/zip.h>
 #include <unistd.h>
 
-#include <filesystem>
-#include <map>
-#include <string>
-
 #include "tests/support/model_files.h"
+#include "tests/support/test.h"
 
 namespace kerf::test {
 

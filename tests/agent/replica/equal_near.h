@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <vector>
-
 #include "haptic_agent/replica/replica.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/solid_snapshot.h"
 #include "kernel/tool/tool_bounds.h"
+#include "tests/support/test.h"
 
 namespace kerf::test {
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include "haptic_agent/replica/replica.h"
+#include "tests/support/test.h"
 
 namespace kerf::agent {
 

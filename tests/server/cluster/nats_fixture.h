@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <optional>
-#include <utility>
-
 #include "server/cluster/nats_connection.h"
 #include "tests/server/cluster/nats_process.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::test {
 

@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <cstdint>
-#include <fstream>
-#include <memory>
-#include <string>
-
 #include "server/server.h"
 #include "tests/server/whole/peer.h"
 #include "tests/support/eventually.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::test {
 

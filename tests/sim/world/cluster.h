@@ -1,16 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <functional>
-#include <map>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "server/cluster/copies.h"
 #include "tests/sim/world/hand.h"
@@ -19,6 +10,7 @@
 #include "tests/sim/world/scene.h"
 #include "tests/sim/world/server_machine.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::sim {
 
