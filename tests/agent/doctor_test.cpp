@@ -177,11 +177,11 @@ TEST(Doctor, ExitCodeReflectsFindings) {
 }
 
 TEST(RunAgents, EachDeviceHasItsOwnNameAndSummary) {
-  Options options;
-  options.link.hello.name = "Ada";
-  options.status_json = "out.json";
-  options.device.kind = DeviceKind::kFalcon;
-  options.more_devices = {{.kind = DeviceKind::kSpaceMouse}, {.kind = DeviceKind::kReference}};
+  Options options{
+      .link = {.hello = {.name = "Ada"}},
+      .device = {.kind = DeviceKind::kFalcon},
+      .more_devices = {{.kind = DeviceKind::kSpaceMouse}, {.kind = DeviceKind::kReference}},
+      .status_json = "out.json"};
   const auto all = split_options(options);
   ASSERT_EQ(all.size(), 3U);
   EXPECT_EQ(all[0].link.hello.name, "Ada");

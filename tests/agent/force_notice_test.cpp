@@ -8,11 +8,7 @@ namespace kerf::agent::force_notice_test {
 namespace {
 
 Welcome welcome_of(CutLaw law, double specific, double drr) {
-  Welcome welcome;
-  welcome.law = law;
-  welcome.specific_force_n_per_mm2 = specific;
-  welcome.drr_n_s_per_mm3 = drr;
-  return welcome;
+  return Welcome{.law = law, .specific_force_n_per_mm2 = specific, .drr_n_s_per_mm3 = drr};
 }
 
 /// The 5-DOF reference device at a pivot of 60 mm: 6 N, 150 N·mm, 0.005 N s/mm.

@@ -188,10 +188,7 @@ TEST(WrappedHelp, BreaksBetweenWordsAndKeepsTheLinesOfAList) {
 }
 
 TEST(Summary, JsonHasTheFieldsUsedByTests) {
-  Summary summary;
-  summary.welcome.session = "demo";
-  summary.cycles.ticks = 10;
-  summary.cycles.lost = 2;
+  Summary summary{.welcome = {.session = "demo"}, .cycles = {.ticks = 10, .lost = 2}};
   summary.link.complaints["too_fast"] = {.count = 3, .first_reason = "why"};
   const auto json = nlohmann::json::parse(summary_json(summary));
   EXPECT_EQ(json["servo"]["due"], 12);
@@ -243,8 +240,7 @@ TEST(Summary, ComparesFeltAndComputedForceAndTorque) {
 
 TEST(Summary, ReportsCutsSoftenedBecauseTheyShookTheTool) {
   const auto printed = [](const ServoReport& servo) {
-    Summary summary;
-    summary.servo = servo;
+    Summary summary{.servo = servo};
     std::ostringstream out;
     print_summary(out, summary);
     return out.str();
@@ -257,8 +253,7 @@ TEST(Summary, ReportsCutsSoftenedBecauseTheyShookTheTool) {
 
 TEST(Summary, PrintsUdpCountersIfUdpWasRequested) {
   const auto printed = [](const UdpReport& udp) {
-    Summary summary;
-    summary.link.udp = udp;
+    Summary summary{.link = {.udp = udp}};
     std::ostringstream out;
     print_summary(out, summary);
     return out.str();

@@ -114,10 +114,7 @@ TEST_F(RecordingCommands, ExportDoesNotOverwriteATable) {
 TEST(RecordingAbout, PlayingStatesItsOwnDeviceAndTheRecordedSession) {
   const DeviceCapabilities recorded{.name = "Omega", .max_force_n = 12, .latency_us = 500};
   const DeviceCapabilities own{.name = "Touch", .max_force_n = 3.3, .latency_us = 1000};
-  Welcome welcome;
-  welcome.session = "demo";
-  welcome.participant = 4;
-  welcome.stock = {{-1, -2, -3}, {4, 5, 6}};
+  Welcome welcome{.session = "demo", .participant = 4, .stock = {{-1, -2, -3}, {4, 5, 6}}};
   const auto before =
       about_session("Ada", welcome, recorded, settings_for(recorded, {.mode = ForceMode::kPaper}));
   EXPECT_EQ(before.at("device"), "Omega");

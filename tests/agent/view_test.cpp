@@ -73,8 +73,7 @@ TEST(TerminalView, LinesOfAReasonFitATerminalOf80Columns) {
 
 TEST(TerminalView, NamesTheCurrentTransport) {
   const auto text = [](const UdpReport& udp) {
-    LinkStatus link;
-    link.udp = udp;
+    LinkStatus link{.udp = udp};
     return view_text({}, link, {}, 30, "");
   };
   EXPECT_NE(text({}).find("WebSocket"), std::string::npos);

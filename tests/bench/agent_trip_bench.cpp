@@ -212,10 +212,8 @@ std::optional<double> time_to_silence(const std::string& program, const Event& e
   Leaning device(forced ? 0.5 : 0.05);
   SampleRing samples;
   LatestValue<ServerWrench> wrenches;
-  LinkSettings settings;
-  settings.server = {"127.0.0.1", std::to_string(server.port())};
-  settings.session = "trip";
-  settings.patience_s = 1;
+  LinkSettings settings{
+      .server = {"127.0.0.1", std::to_string(server.port())}, .session = "trip", .patience_s = 1};
   ReplicaExchange exchange;
   ReplicaThread copy(exchange);
   settings.hello.stock = true;

@@ -38,13 +38,11 @@ struct Ratio {
 };
 
 Sculpture block(const Setup& setup, const Tool& tool) {
-  SculptureSettings s;
-  s.stock = BoxStock{{-12, -12, -16}, {12, 12, 0}};
-  s.pitch_mm = setup.pitch_mm;
-  s.tolerance_mm = 0.001;
-  s.rays = setup.rays;
-  s.force.law = setup.law;
-  s.force.pivot_mm = kPivotMm;
+  SculptureSettings s{.stock = BoxStock{{-12, -12, -16}, {12, 12, 0}},
+                      .rays = setup.rays,
+                      .pitch_mm = setup.pitch_mm,
+                      .tolerance_mm = 0.001,
+                      .force = {.pivot_mm = kPivotMm, .law = setup.law}};
   Sculpture sculpture = *Sculpture::create(s);
   sculpture.apply(DefineTool{1, tool}).value();
   return sculpture;

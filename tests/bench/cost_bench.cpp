@@ -71,12 +71,10 @@ std::vector<ToolPose> hand_path(Vec3 center_mm, double top_mm, bool swing) {
 }
 
 SculptureSettings block(double side_mm, double height_mm, double pitch_mm) {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{0, 0, 0}, {side_mm, side_mm, height_mm}};
-  settings.pitch_mm = pitch_mm;
-  settings.tolerance_mm = 0.005;
-  settings.keep_normals = false;
-  return settings;
+  return SculptureSettings{.stock = BoxStock{{0, 0, 0}, {side_mm, side_mm, height_mm}},
+                           .pitch_mm = pitch_mm,
+                           .tolerance_mm = 0.005,
+                           .keep_normals = false};
 }
 
 Cost run(const Variant& v) {

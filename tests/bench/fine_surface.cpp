@@ -127,9 +127,7 @@ std::vector<FineSurface::Face> FineSurface::faces(const std::vector<std::uint32_
   for (const std::uint32_t start : near) {
     if (taken[start]) continue;
     taken[start] = true;
-    Face face;
-    face.first = triangles_[start].normal;
-    face.triangles = {start};
+    Face face{.first = triangles_[start].normal, .triangles = {start}};
     for (std::size_t k = 0; k < face.triangles.size(); ++k) {
       const Triangle& t = triangles_[face.triangles[k]];
       face.area_mm2 += t.area_mm2;

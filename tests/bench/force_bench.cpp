@@ -79,13 +79,11 @@ Vec3 mean(const std::vector<Vec3>& values) {
 }
 
 Sculpture block(const Setup& setup) {
-  SculptureSettings s;
-  s.stock = BoxStock{{-14, -14, -16}, {14, 14, 0}};
-  s.pitch_mm = setup.pitch_mm;
-  s.tolerance_mm = 0.001;
-  s.rays = setup.rays;
-  s.force.law = setup.law;
-  s.force.pivot_mm = kPivotMm;
+  SculptureSettings s{.stock = BoxStock{{-14, -14, -16}, {14, 14, 0}},
+                      .rays = setup.rays,
+                      .pitch_mm = setup.pitch_mm,
+                      .tolerance_mm = 0.001,
+                      .force = {.pivot_mm = kPivotMm, .law = setup.law}};
   return *Sculpture::create(s);
 }
 

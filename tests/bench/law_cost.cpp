@@ -25,13 +25,11 @@ struct Variant {
 };
 
 ForceSettings mechanistic(double rpm, const EdgeCoefficients& exponents) {
-  ForceSettings f;
-  f.law = ForceLaw::kMechanistic;
-  f.milling.spindle_rpm = rpm;
-  f.milling.cut_n_per_mm2 = {767, 169, 222};
-  f.milling.edge_n_per_mm = {27.7, 26.6, 0.7};
-  f.milling.chip_exponents = exponents;
-  return f;
+  return ForceSettings{.law = ForceLaw::kMechanistic,
+                       .milling = {.spindle_rpm = rpm,
+                                   .cut_n_per_mm2 = {767, 169, 222},
+                                   .edge_n_per_mm = {27.7, 26.6, 0.7},
+                                   .chip_exponents = exponents}};
 }
 
 std::vector<Variant> variants() {
@@ -50,13 +48,12 @@ std::vector<Variant> variants() {
 
 /// Returns microseconds of CPU per tick.
 double us_per_tick(const Tool& tool, Rays rays, double pitch_mm, const Variant& v) {
-  SculptureSettings s;
-  s.stock = BoxStock{{-12, -12, -8}, {12, 12, 0}};
-  s.rays = rays;
-  s.pitch_mm = pitch_mm;
-  s.tolerance_mm = 0.001;
-  s.keep_normals = false;
-  s.force = v.force;
+  SculptureSettings s{.stock = BoxStock{{-12, -12, -8}, {12, 12, 0}},
+                      .rays = rays,
+                      .pitch_mm = pitch_mm,
+                      .tolerance_mm = 0.001,
+                      .keep_normals = false,
+                      .force = v.force};
   Sculpture block = *Sculpture::create(s);
   block.apply(DefineTool{1, tool}).value();
   const auto at = [](int i) { return ToolPose{{-4.04 + i * kStepMm, 0.0213, -kDepthMm}, kUp}; };

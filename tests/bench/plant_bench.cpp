@@ -217,13 +217,12 @@ Press random_press(std::uint32_t seed, double most_ms) {
   const auto one_of = [&](std::size_t count) {
     return std::uniform_int_distribution<std::size_t>(0, count - 1)(random);
   };
-  Press press;
-  press.mechanics = {.mass_kg = log_uniform(0.05, 2),
-                     .inertia_kg_m2 = log_uniform(1e-5, 1e-3),
-                     .hand_n_per_mm = log_uniform(0.02, 2),
-                     .hand_nmm_per_rad = log_uniform(10, 2000),
-                     .latency_us = static_cast<std::uint64_t>(uniform(0, 1000 * most_ms))};
-  press.line = {.rtt_ms = uniform(0, 250), .jitter = uniform(0, 0.3)};
+  Press press{.mechanics = {.mass_kg = log_uniform(0.05, 2),
+                            .inertia_kg_m2 = log_uniform(1e-5, 1e-3),
+                            .hand_n_per_mm = log_uniform(0.02, 2),
+                            .hand_nmm_per_rad = log_uniform(10, 2000),
+                            .latency_us = static_cast<std::uint64_t>(uniform(0, 1000 * most_ms))},
+              .line = {.rtt_ms = uniform(0, 250), .jitter = uniform(0, 0.3)}};
   if (one_of(2) == 1) press.line.loss = uniform(0, 0.03);
   press.sideways = one_of(2) == 1;
   press.loses_ticks = one_of(2) == 1;

@@ -60,8 +60,7 @@ inline std::vector<double> cut_raster(WebSocket& agent, std::uint64_t first, std
   for (std::uint64_t n = first; n < end; ++n) {
     const auto tick = start + std::chrono::milliseconds(n - first);
     while (Clock::now() < tick) take(tick);
-    wire::MotionBatch batch;
-    batch.count = 1;
+    wire::MotionBatch batch{.count = 1};
     batch.samples[0] = sample_at(n, ahead);
     frame.clear();
     wire::append(frame, {kNewEpoch, n, n * 1000}, batch);

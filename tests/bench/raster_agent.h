@@ -34,14 +34,12 @@ inline wire::MotionSample sample_at(std::uint64_t n, std::uint64_t ahead) {
   const bool last = row % kRows == kRows - 1;
   const double rows = row % kRows + (last ? 0 : over);
   const double y = kStepOverMm * (layer % 2 == 0 ? rows : kRows - 1 - rows);
-  wire::MotionSample sample;
-  sample.agent_sequence = n;
-  sample.time_us = n * 1000;
-  sample.tip_mm = {row % 2 == 0 ? x - 40 : 40 - x, y - 40,
-                   -kDownMm * (1 + layer + (last ? over : 0))};
-  sample.tool_id = 1;
-  sample.buttons = wire::kButtonCutting;
-  return sample;
+  return wire::MotionSample{.agent_sequence = n,
+                            .time_us = n * 1000,
+                            .tip_mm = {row % 2 == 0 ? x - 40 : 40 - x, y - 40,
+                                       -kDownMm * (1 + layer + (last ? over : 0))},
+                            .tool_id = 1,
+                            .buttons = wire::kButtonCutting};
 }
 
 /// Joins a session; `kind` is "agent" or "view".

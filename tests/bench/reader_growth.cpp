@@ -81,8 +81,7 @@ Read program(const std::string& name, Dialect dialect = Dialect::kAuto) {
   return [=](const std::string& text) {
     static const Scene kScene = test::scene_for("xyz", 0.01);
     ProgramSurvey survey(20'000, std::nullopt);
-    GcodeEnvironment environment;
-    environment.dialect = dialect;
+    GcodeEnvironment environment{.dialect = dialect};
     (void)read_program(name, text, kScene, environment, survey);
   };
 }

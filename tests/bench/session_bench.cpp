@@ -52,9 +52,7 @@ wire::MotionSample sample_of(int agent, bool apart, std::uint64_t n) {
   const auto row = static_cast<int>(along / kLengthMm);
   const double x = along - row * kLengthMm;
   const double lean = 0.25 * 3.14159265358979 / 180 * std::abs(double(n % 160) - 80);
-  wire::MotionSample sample;
-  sample.agent_sequence = n + 1;
-  sample.time_us = 1000 * (n + 1);
+  wire::MotionSample sample{.agent_sequence = n + 1, .time_us = 1000 * (n + 1)};
   const double y =
       apart ? kStripMm * (agent + 0.25) + 4 * (row % 4) : 8 + 0.3 * agent + 4 * (row % 4);
   sample.tip_mm = {row % 2 == 0 ? x : kLengthMm - x, y, -3.0 * (1 + row / 4)};

@@ -123,10 +123,8 @@ void print_exports() {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     for (const Vec3 size :
          {Vec3{200, 200, 100}, Vec3{1e3, 1e3, 100}, Vec3{1e4, 1e4, 100}, Vec3{1e4, 1e4, 1e4}}) {
-      SculptureSettings settings;
-      settings.stock = BoxStock{size * -0.5, size * 0.5};
-      settings.pitch_mm = 0.5;
-      settings.rays = rays;
+      SculptureSettings settings{
+          .stock = BoxStock{size * -0.5, size * 0.5}, .rays = rays, .pitch_mm = 0.5};
       auto sculpture = *Sculpture::create(settings);
       sculpture.apply(DefineTool{1, *make_tool(BallShape{10, 50})}).value();
       for (int n = 0; n <= 20; ++n) {

@@ -169,8 +169,7 @@ Figures measure(WebSocket& agent, double seconds, std::uint64_t ahead) {
         take_frame(agent, opcode, payload, sent, figures);
     }
     if (Clock::now() > tick + std::chrono::milliseconds(1)) ++figures.late;
-    MotionBatch batch;
-    batch.count = 1;
+    MotionBatch batch{.count = 1};
     batch.samples[0] = sample_at(n, ahead);
     frame.clear();
     append(frame, {kNewEpoch, n, n * 1000}, batch);
@@ -242,8 +241,7 @@ void run_hostile_agent(const std::atomic<bool>& stop, std::uint16_t port) {
   WebSocket agent = join(port, "agent", kAgentProtocol);
   std::vector<std::byte> frame;
   for (std::uint64_t n = 1; !stop; ++n) {
-    MotionBatch batch;
-    batch.count = 1;
+    MotionBatch batch{.count = 1};
     batch.samples[0] = sample_at(n, 20'000);
     frame.clear();
     append(frame, {kNewEpoch, n, n * 1000}, batch);

@@ -191,10 +191,8 @@ std::shared_ptr<const TriangleMesh> mesh_stock() {
 int main(int argc, char** argv) {
   Jobs jobs{.workers = test::JobWorkers(argc > 1 ? std::atoi(argv[1]) : 1),
             .every = argc > 2 ? std::max(1, std::atoi(argv[2])) : 1};
-  SculptureSettings box;
-  box.stock = BoxStock{{-12, -12, -8}, {12, 12, 0}};
-  box.pitch_mm = 0.4;
-  box.force.pivot_mm = 30;
+  SculptureSettings box{
+      .stock = BoxStock{{-12, -12, -8}, {12, 12, 0}}, .pitch_mm = 0.4, .force = {.pivot_mm = 30}};
   SculptureSettings round = box;
   round.stock = CylinderStock{1, -1, 10, -8, 0};
   round.force.law = ForceLaw::kDexelRemovalRate;

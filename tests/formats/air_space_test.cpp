@@ -8,21 +8,13 @@ namespace kerf::air_space_test {
 namespace {
 
 SculptureSettings block() {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{0, 0, -10}, {10, 10, 0}};
-  settings.pitch_mm = 0.5;
-  return settings;
+  return SculptureSettings{.stock = BoxStock{{0, 0, -10}, {10, 10, 0}}, .pitch_mm = 0.5};
 }
 const Tool kTool = *make_tool(BallShape{4, 40});
 
 MoveTool move_between(Vec3 from, Vec3 to, double duration_s = 0.1, Vec3 axis = {0, 0, 1}) {
-  MoveTool move;
-  move.tool = 1;
-  move.from = {from, axis};
-  move.to = {to, axis};
-  move.duration_s = duration_s;
-  move.feel = false;
-  return move;
+  return MoveTool{
+      .tool = 1, .from = {from, axis}, .to = {to, axis}, .duration_s = duration_s, .feel = false};
 }
 
 TEST(AirSpace, IsOutsideTheBoxAroundTheStock) {

@@ -73,8 +73,7 @@ std::string written(const Program& program, Post post, double tolerance_mm) {
 }
 
 Program read_as(const std::string& text, Post post) {
-  GcodeEnvironment environment;
-  environment.dialect = *dialect_of(rules_of(post).name);
+  GcodeEnvironment environment{.dialect = *dialect_of(rules_of(post).name)};
   const auto read = parse_program("p.nc", text, scene_for("xyz"), environment);
   EXPECT_TRUE(read) << to_string(read.error()) << text;
   return read ? *read : Program{};

@@ -45,12 +45,10 @@ class CanonRecord final : public GcodeCanon {
 };
 
 inline GcodeSetup machine_with(ToolTable tools = {}, Dialect dialect = Dialect::kLinuxcnc) {
-  GcodeSetup setup;
-  setup.rules = rules_of(dialect);
-  setup.machine_name = "xyzabc";
-  setup.tools = std::move(tools);
-  setup.machine_zero_known = true;
-  return setup;
+  return GcodeSetup{.machine_name = "xyzabc",
+                    .tools = std::move(tools),
+                    .rules = rules_of(dialect),
+                    .machine_zero_known = true};
 }
 
 /// A table of tools 1 to 3 with diameters of 2, 4 and 6 mm and lengths of 10, 20 and 30 mm.

@@ -67,9 +67,7 @@ class PrintedCalls final : public GcodeCanon {
 
 int main(int argc, char** argv) {
   // The same machine as in rs274: its unit is the inch, and programs start in mm.
-  GcodeEnvironment environment;
-  environment.dialect = Dialect::kLinuxcnc;
-  environment.machine_unit_mm = kMmPerInch;
+  GcodeEnvironment environment{.dialect = Dialect::kLinuxcnc, .machine_unit_mm = kMmPerInch};
   environment.parameters.emplace();
   std::string program;
   for (int i = 1; i < argc; ++i) {
@@ -95,8 +93,7 @@ int main(int argc, char** argv) {
   }
   const auto text = read_file(program);
   if (!text) return 2;
-  GcodeSetup setup;
-  setup.machine_name = "xyzabc";
+  GcodeSetup setup{.machine_name = "xyzabc"};
   if (environment.tools) setup.tools = *environment.tools;
   setup.machine_unit_mm = environment.machine_unit_mm;
   setup.machine_zero_known = true;

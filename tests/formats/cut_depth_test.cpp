@@ -87,10 +87,9 @@ TEST_F(CutDepthTest, APlateThatIsCutThroughCountsFromTheBottomOfTheTool) {
 }
 
 TEST_F(CutDepthTest, OnlyColumnsInAnOutlineCount) {
-  IndexedMesh triangle;
-  triangle.origin_mm = {10, 0, 0};
-  triangle.positions_mm = {{0, 0, 0}, {20, 0, 5}, {10, 3, 0}, {0, 20, 0}};
-  triangle.triangles = {{0, 1, 3}};
+  IndexedMesh triangle{.origin_mm = {10, 0, 0},
+                       .positions_mm = {{0, 0, 0}, {20, 0, 5}, {10, 3, 0}, {0, 20, 0}},
+                       .triangles = {{0, 1, 3}}};
   const ConvexOutline outline(triangle);
   EXPECT_TRUE(outline.contains(10, 20));
   EXPECT_TRUE(outline.contains(19, 10));

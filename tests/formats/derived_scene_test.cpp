@@ -56,15 +56,12 @@ TEST(DerivedScene, ADoubtfulToolIsAssumed) {
 }
 
 TEST(DerivedScene, RequestedValuesTakePrecedence) {
-  SceneWishes wishes;
-  wishes.stock_size_mm = Vec3{70, 50, 10};
-  wishes.tools = {{1, BallShape{4, 20}}};
+  SceneWishes wishes{.stock_size_mm = Vec3{70, 50, 10}, .tools = {{1, BallShape{4, 20}}}};
   const DerivedScene scene = derived(kPocket, wishes);
   EXPECT_EQ(box(scene).min_mm, (Vec3{0, 0, -10})) << "a corner at the origin holds the cuts";
   EXPECT_EQ(box(scene).max_mm, (Vec3{70, 50, 0}));
   EXPECT_EQ(diameter(scene, 1), 4);
-  GcodeEnvironment table;
-  table.tools = ToolTable{{1, {.number = 1, .diameter_mm = 5}}};
+  GcodeEnvironment table{.tools = ToolTable{{1, {.number = 1, .diameter_mm = 5}}}};
   EXPECT_EQ(diameter(derived(kPocket, {}, table), 1), 5);
 }
 
@@ -139,9 +136,7 @@ TEST(DerivedScene, QuestionsTheUnitOfATinyModel) {
     for (const std::string& facet : {o + y + x, o + x + z, o + z + y, x + y + z})
       text += "facet normal 0 0 0\nouter loop\n" + facet + "endloop\nendfacet\n";
     std::ofstream(folder / "t.stl") << text << "endsolid t\n";
-    SceneWishes wishes;
-    wishes.stock_file = "t.stl";
-    wishes.folder = folder.path();
+    SceneWishes wishes{.stock_file = "t.stl", .folder = folder.path()};
     return derived(kPocket, wishes).notes;
   };
   EXPECT_THAT(notes("0.04"), testing::Contains(testing::HasSubstr("stock.placement.unit")));
@@ -152,8 +147,7 @@ TEST(DerivedScene, ErrorsComeFromTheProgram) {
   EXPECT_THAT(derive_scene("p.nc", "G21\nG0 X1\nM30\n", {}, {}).error(),
               testing::HasSubstr("cuts nothing"));
   EXPECT_THAT(derive_scene("p.nc", "G21\nG77\n", {}, {}).error(), testing::HasSubstr("p.nc:2"));
-  SceneWishes wishes;
-  wishes.tools = {{99, FlatShape{6, 30}}};
+  SceneWishes wishes{.tools = {{99, FlatShape{6, 30}}}};
   EXPECT_EQ(derive_scene("p.nc", kPocket, {}, wishes).error(),
             "p.nc: has no tool 99, which --tool states; its tools are 1");
   wishes = {};

@@ -10,11 +10,7 @@
 namespace kerf::test {
 
 /// An environment that reads a program in a controller's dialect.
-inline GcodeEnvironment as(Dialect dialect) {
-  GcodeEnvironment environment;
-  environment.dialect = dialect;
-  return environment;
-}
+inline GcodeEnvironment as(Dialect dialect) { return GcodeEnvironment{.dialect = dialect}; }
 
 /// The moves of a program for Fanuc, or for Haas, in the format of moves_of().
 inline std::string fanuc(const std::string& text) { return moves_of(text, as(Dialect::kFanuc)); }

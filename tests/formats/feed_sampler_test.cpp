@@ -70,10 +70,8 @@ TEST(FeedSampler, EmptyProgramHasNoSamples) {
 TEST(ForcesCsv, HasHeaderAndOneRowPerMotion) {
   std::ostringstream out;
   write_forces_header(out);
-  MotionResult result;
-  result.wrench = {{0.1, 0, 1.0 / 3}, {0, -20, 0}};
-  result.removed_mm3 = 1e-7;
-  result.imprint_mm3 = 5e-8;
+  MotionResult result{
+      .wrench = {{0.1, 0, 1.0 / 3}, {0, -20, 0}}, .removed_mm3 = 1e-7, .imprint_mm3 = 5e-8};
   write_forces_row(out, 0.25, {{1, 2.5, -3}, {0, 0, 1}}, result);
   EXPECT_EQ(out.str(),
             "t_s,x,y,z,i,j,k,fx_n,fy_n,fz_n,tx_nmm,ty_nmm,tz_nmm,removed_mm3,"
@@ -85,8 +83,7 @@ TEST(ForcesCsv, FeltColumnsAreTheWrenchShortenedByOneFactor) {
   std::ostringstream out;
   const WrenchMaximum device{6, 150};
   write_forces_header(out, device);
-  MotionResult result;
-  result.wrench = {{8, 0, 0}, {0, -600, 0}};
+  MotionResult result{.wrench = {{8, 0, 0}, {0, -600, 0}}};
   write_forces_row(out, 0.25, {{1, 2.5, -3}, {0, 0, 1}}, result, device);
   EXPECT_EQ(out.str(),
             "t_s,x,y,z,i,j,k,fx_n,fy_n,fz_n,tx_nmm,ty_nmm,tz_nmm,removed_mm3,"

@@ -56,8 +56,7 @@ TEST(GcodeEnvironment, ToolOffsetsShiftProgrammedCoordinates) {
 
 TEST(GcodeEnvironment, WithoutG43TheToolCutsDeeperByItsLength) {
   const Scene scene = scene_for("xyz");
-  GcodeEnvironment environment;
-  environment.tools = test::three_tools();
+  GcodeEnvironment environment{.tools = test::three_tools()};
   const auto depth = [&](const std::string& text) {
     const auto program = parse_program("p.ngc", text, scene, environment);
     EXPECT_TRUE(program.has_value()) << to_string(program.error());

@@ -19,11 +19,7 @@ void expect_near(Vec3 a, Vec3 b, double tolerance) {
   EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
-Machine machine_of(MachineKinematics kinematics) {
-  Machine machine;
-  machine.kinematics = kinematics;
-  return machine;
-}
+Machine machine_of(MachineKinematics kinematics) { return Machine{.kinematics = kinematics}; }
 
 TEST(MachineKinematics, PositiveTableAngleTiltsTheToolTheOppositeDirection) {
   // A = 90 turns the workpiece's +Y towards the spindle, so the tool axis is +Y.
@@ -53,8 +49,7 @@ TEST(MachineKinematics, APositiveAngleMayTurnTheTool) {
   // In ISO 841, B30 tilts the tool towards +X.
   const std::string text = "G43.4 H1\nG0 X0 Y0 Z5 B30 C0\nG1 X1 F99\nM30\n";
   Scene scene = scene_for("xyzbc-trt");
-  GcodeEnvironment environment;
-  environment.dialect = Dialect::kFanuc;
+  GcodeEnvironment environment{.dialect = Dialect::kFanuc};
   for (const auto direction : {RotaryDirection::kTable, RotaryDirection::kTool}) {
     scene.machine.rotary_direction = direction;
     const auto program =

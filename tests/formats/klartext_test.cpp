@@ -33,8 +33,7 @@ std::string refused(const std::string& body, const char* machine = "xyz") {
 }
 
 TEST(Klartext, IsAlsoReadByName) {
-  GcodeEnvironment environment;
-  environment.dialect = *dialect_of("heidenhain");
+  GcodeEnvironment environment{.dialect = *dialect_of("heidenhain")};
   const std::string text = "TOOL CALL 1 Z S1000\nL X+0 Y+0 Z+5 R0 FMAX\nL X+3 F100\n";
   const auto program = test::value_of(parse_program("p.nc", text, scene_for("xyz"), environment));
   EXPECT_EQ(program.motions.back().to.tip_mm, (Vec3{3, 0, 5}));
@@ -140,8 +139,7 @@ TEST(Klartext, LabelsAreCalledAndRepeated) {
               ElementsAre(Vec3{0, 0, 1}, Vec3{1, 0, 1}, Vec3{2, 0, 1}));
   EXPECT_THAT(refused("CALL LBL 7\n"), HasSubstr("does not exist"));
   EXPECT_THAT(refused("LBL 1\nCALL LBL 1\n"), HasSubstr("nested deeper"));
-  GcodeEnvironment bounded;
-  bounded.lines_max = 1000;
+  GcodeEnvironment bounded{.lines_max = 1000};
   const auto endless = parse_program(
       "p.h", kHead + "LBL 1\nQ1 = 1\nFN 9: IF +Q1 EQU +1 GOTO LBL 1\n", scene_for("xyz"), bounded);
   EXPECT_THAT(endless.error().reason, HasSubstr("more than 1000 blocks"));

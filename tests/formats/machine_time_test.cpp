@@ -117,8 +117,7 @@ TEST(MachineTime, UnreachableFeedIsQuestioned) {
 }
 
 TEST(MachineTime, TheMachineOfTheSceneStatesTheLimitsOfItsAxes) {
-  Machine machine;
-  machine.rapid_mm_per_min = 6000;
+  Machine machine{.rapid_mm_per_min = 6000};
   EXPECT_EQ(dynamics_of(machine).speed_max_mm_per_s, (Vec3{100, 100, 100}));
   machine.feed_max_mm_per_min = Vec3{6000, 3000, 600};
   machine.acceleration_mm_per_s2 = {2000, 1000, 100};

@@ -43,12 +43,11 @@ Job rib_along_x() { return two_slots({1, 0, 0}, {15, 15, 0}); }
 Job diagonal_rib() { return two_slots({kHalf, kHalf, 0}, {15, 15.15, 0}); }
 
 SolidSnapshot carve(const Job& job, Rays rays = Rays::kDexel) {
-  SculptureSettings settings;
-  settings.stock = kBlock;
-  settings.pitch_mm = kPitchMm;
-  settings.tolerance_mm = 0.001;
-  settings.rays = rays;
-  settings.keep_normals = true;
+  SculptureSettings settings{.stock = kBlock,
+                             .rays = rays,
+                             .pitch_mm = kPitchMm,
+                             .tolerance_mm = 0.001,
+                             .keep_normals = true};
   Sculpture sculpture = Sculpture::create(settings).value();
   for (const auto& [id, tool] : job.tools) sculpture.apply(DefineTool{id, tool.tool}).value();
   for (const ProgramMotion& m : job.motions)

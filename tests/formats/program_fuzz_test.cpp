@@ -121,8 +121,7 @@ TEST(ProgramFuzz, GcodeGivesValidMotionsOrAnError) {
 
 TEST(ProgramFuzz, SubroutinesAndCyclesTerminateWithValidMotionsOrAnError) {
   const Scene scene = scene_for("xyz");
-  GcodeEnvironment environment;
-  environment.lines_max = 5000;
+  GcodeEnvironment environment{.lines_max = 5000};
   const auto whole = test::value_of(parse_program("p.ngc", kControllerSeed, scene, environment));
   ASSERT_GT(whole.motions.size(), 40u);
   for (std::uint64_t seed = 1; seed <= 3000; ++seed)
@@ -131,8 +130,7 @@ TEST(ProgramFuzz, SubroutinesAndCyclesTerminateWithValidMotionsOrAnError) {
 
 TEST(ProgramFuzz, MacroProgramsAreReadOrRejected) {
   const Scene scene = scene_for("xyz");
-  GcodeEnvironment environment;
-  environment.lines_max = 20'000;
+  GcodeEnvironment environment{.lines_max = 20'000};
   const auto whole = parse_program("p.nc", kMacroSeed, scene, environment);
   ASSERT_TRUE(whole.has_value()) << to_string(whole.error());
   for (std::uint64_t seed = 1; seed <= 3000; ++seed)

@@ -10,13 +10,12 @@ namespace {
 Program through(const std::vector<Vec3>& points, bool rapid = false) {
   Program program;
   for (std::size_t n = 1; n < points.size(); ++n) {
-    ProgramMotion motion;
-    motion.tool = 1;
-    motion.from.tip_mm = points[n - 1];
-    motion.to.tip_mm = points[n];
-    motion.duration_s = 1;
-    motion.line = static_cast<std::uint32_t>(n);
-    motion.rapid = rapid;
+    ProgramMotion motion{.tool = 1,
+                         .from = {.tip_mm = points[n - 1]},
+                         .to = {.tip_mm = points[n]},
+                         .duration_s = 1,
+                         .line = static_cast<std::uint32_t>(n),
+                         .rapid = rapid};
     program.motions.push_back(motion);
   }
   return program;

@@ -143,8 +143,7 @@ TEST(ProgramReader, EndsWithinOneStepOfAStop) {
        "END PGM A MM\n"}};
   for (const auto& [name, dialect, text] : endless) {
     SCOPED_TRACE(dialect);
-    GcodeEnvironment environment;
-    environment.dialect = dialect_of(dialect).value();
+    GcodeEnvironment environment{.dialect = dialect_of(dialect).value()};
     Impatient visitor(5);
     const auto error = test::error_of(read_program(name, text, scene, environment, visitor));
     EXPECT_THAT(to_string(error), HasSubstr("stopped"));

@@ -108,8 +108,7 @@ TEST(ProgramWords, CutBeforeTheFirstToolChangeRequiresTheSpindlesTool) {
   const ToolId spindle = scene.scene.machine.spindle_tool;
   EXPECT_EQ(spindle, 3U) << "a number of no other tool";
   EXPECT_THAT(scene.notes, Contains(HasSubstr("--tool 3=6 states it; the program cuts with it")));
-  SceneWishes wishes;
-  wishes.tools = {{spindle, BallShape{4, 20}}};
+  SceneWishes wishes{.tools = {{spindle, BallShape{4, 20}}}};
   EXPECT_EQ(derive_scene("p.ngc", text, {}, wishes)->scene.tools.at(3).tool.radius_mm, 2);
   const auto again = test::value_of(parse_scene(scene_json(scene.scene), {}));
   const auto program = test::value_of(parse_program("p.ngc", text, again));

@@ -120,8 +120,7 @@ TEST(ProgramWriter, RotaryMachinesFollowTheGreatCircle) {
           .duration_s = 2};
       if (seed % 3 == 0) motion.from.axis = {0, 0, 1};
       if (seed % 5 == 0) motion.to.axis = {0, 0, 1};
-      Program program;
-      program.motions = {motion};
+      Program program{.motions = {motion}};
       const std::string text = text_of(program, scene, make_gcode_writer);
       const Program read = test::gcode(scene, text);
       ASSERT_FALSE(read.motions.empty());

@@ -40,8 +40,7 @@ IndexedMesh box_mesh(Vec3 low, Vec3 high);
 
 Simulated run(const Scene& scene, const std::string& text, const IndexedMesh* reference = nullptr,
               double gouge_tolerance_mm = 0.02) {
-  Simulated run;
-  run.program = test::gcode(scene, text);
+  Simulated run{.program = test::gcode(scene, text)};
   auto sculpture = Sculpture::create(scene.settings).value();
   for (const auto& [id, tool] : scene.tools)
     EXPECT_TRUE(sculpture.apply(DefineTool{id, tool.tool}).has_value());

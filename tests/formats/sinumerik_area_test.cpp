@@ -13,8 +13,7 @@ using testing::HasSubstr;
 
 // Tool 2 is a flat mill of 10 mm.
 std::expected<Program, ProgramError> read(const std::string& body, const char* machine = "xyz") {
-  GcodeEnvironment environment;
-  environment.dialect = Dialect::kSiemens;
+  GcodeEnvironment environment{.dialect = Dialect::kSiemens};
   return parse_program("p.mpf", "T2 M6\nG0 X0 Y0\nZ25 S1000 M3\nF600\n" + body + "M30\n",
                        scene_for(machine), environment);
 }

@@ -15,9 +15,7 @@ using testing::HasSubstr;
 const std::string kHead = "T1 M6\nG0 X0 Y0\nZ5 S1000 M3\nF600\n";
 
 std::expected<Program, ProgramError> read(const std::string& text, const char* machine = "xyz") {
-  GcodeEnvironment environment;
-  environment.dialect = Dialect::kSiemens;
-  environment.lines_max = 5000;
+  GcodeEnvironment environment{.dialect = Dialect::kSiemens, .lines_max = 5000};
   return parse_program("p.mpf", text, scene_for(machine), environment);
 }
 

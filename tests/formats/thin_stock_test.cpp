@@ -53,11 +53,9 @@ TriangleMesh inside_out(TriangleMesh mesh) {
 }
 
 SculptureSettings settings_of(const TriangleMesh& mesh) {
-  SculptureSettings settings;
-  settings.stock_mesh = std::make_shared<const TriangleMesh>(mesh);
-  settings.stock = mesh_bounds(mesh);
-  settings.pitch_mm = kPitchMm;
-  return settings;
+  return SculptureSettings{.stock = mesh_bounds(mesh),
+                           .stock_mesh = std::make_shared<const TriangleMesh>(mesh),
+                           .pitch_mm = kPitchMm};
 }
 
 struct Stock {

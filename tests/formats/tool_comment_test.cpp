@@ -270,9 +270,7 @@ std::vector<ToolShape> every_shape() {
 }
 
 Scene with_tools(const std::vector<ToolShape>& shapes) {
-  Scene scene;
-  scene.name = "own";
-  scene.settings.stock = BoxStock{{-30, -30, -20}, {30, 30, 0}};
+  Scene scene{.name = "own", .settings = {.stock = BoxStock{{-30, -30, -20}, {30, 30, 0}}}};
   ToolId id = 0;
   for (const ToolShape& shape : shapes)
     scene.tools[++id] = {.shape = shape, .body = {}, .tool = *make_tool(shape)};

@@ -14,12 +14,8 @@ using testing::HasSubstr;
 using testing::StartsWith;
 
 TradeoffRow row(double us, double error_mm, double pitch_mm = 1) {
-  TradeoffRow made;
-  made.us_per_motion = us;
-  made.surface_max_mm = error_mm;
-  made.pitch_mm = pitch_mm;
-  made.tolerance_mm = 0.01;
-  return made;
+  return TradeoffRow{
+      .pitch_mm = pitch_mm, .tolerance_mm = 0.01, .us_per_motion = us, .surface_max_mm = error_mm};
 }
 
 std::string marks(const std::vector<TradeoffRow>& rows) {

@@ -53,8 +53,7 @@ void check_stream(const std::string& name, Bytes input, const GcodeEnvironment& 
 /// The motions of a program are finite, have positive time, and each starts where it claims.
 void check_program(const std::string& name, Bytes input) {
   // A loop of a few bytes may read ten million lines.
-  GcodeEnvironment environment;
-  environment.lines_max = 20'000;
+  GcodeEnvironment environment{.lines_max = 20'000};
   const auto program = parse_program(name, text_of(input), scene(), environment);
   if (!program) {
     require(!to_string(program.error()).empty(), "an error says what is wrong");

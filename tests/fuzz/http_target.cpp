@@ -32,9 +32,7 @@ void read_request(Bytes input) {
     require((*bytes)->count > 0 && (*bytes)->first + (*bytes)->count <= kBytes,
             "a range lies inside the file");
   }
-  net::HttpOptions options;
-  options.allow_hosts = {"workshop"};
-  options.allow_origins = {"https://kerf.example"};
+  net::HttpOptions options{.allow_hosts = {"workshop"}, .allow_origins = {"https://kerf.example"}};
   (void)net::host_allowed(host, options);
   if (net::origin_allowed({host, origin}, options)) {
     require(origin.empty() || net::host_allowed(host, options) ||

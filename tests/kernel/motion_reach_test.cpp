@@ -21,12 +21,11 @@ TEST(MotionReach, ContainsEveryTileThatAMotionCuts) {
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution(low, high)(random);
   };
-  SculptureSettings settings;
-  settings.stock = BoxStock{{0, 0, -30}, {60, 50, 0}};
-  settings.pitch_mm = 0.5;
-  settings.tolerance_mm = 0.05;
-  settings.rays = Rays::kTriDexel;
-  settings.keep_normals = false;
+  SculptureSettings settings{.stock = BoxStock{{0, 0, -30}, {60, 50, 0}},
+                             .rays = Rays::kTriDexel,
+                             .pitch_mm = 0.5,
+                             .tolerance_mm = 0.05,
+                             .keep_normals = false};
   const Tool tools[] = {
       *make_tool(BallShape{.diameter_mm = 6, .length_mm = 20}),
       *make_tool(FlatShape{.diameter_mm = 9, .length_mm = 25}),
@@ -171,10 +170,8 @@ TEST(MotionReach, BoxContainsTheMiddleOfATurn) {
 }
 
 TEST(MotionReach, DiagonalReachesTilesInProportionToItsLength) {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{0, 0, -10}, {1000, 1000, 0}};
-  settings.pitch_mm = 0.1;
-  settings.keep_normals = false;
+  SculptureSettings settings{
+      .stock = BoxStock{{0, 0, -10}, {1000, 1000, 0}}, .pitch_mm = 0.1, .keep_normals = false};
   const Sculpture block = Sculpture::create(settings).value();
   const Tool tool = *make_tool(BallShape{.diameter_mm = 3, .length_mm = 20});
   const Vec3 up{0, 0, 1};

@@ -19,22 +19,18 @@ namespace {
 constexpr double kSide = 40, kTop = 20;
 
 SculptureSettings settings_of(Rays rays, ForceLaw law) {
-  SculptureSettings s;
-  s.stock = BoxStock{{0, 0, 0}, {kSide, kSide, kTop}};
-  s.rays = rays;
-  s.pitch_mm = 0.25;
-  s.tolerance_mm = 0.005;
-  s.keep_normals = true;
-  s.force.law = law;
-  s.force.milling.cut_n_per_mm2 = {600, 200, 100};
-  s.force.pivot_mm = 40;
-  return s;
+  return SculptureSettings{
+      .stock = BoxStock{{0, 0, 0}, {kSide, kSide, kTop}},
+      .rays = rays,
+      .pitch_mm = 0.25,
+      .tolerance_mm = 0.005,
+      .keep_normals = true,
+      .force = {.law = law, .pivot_mm = 40, .milling = {.cut_n_per_mm2 = {600, 200, 100}}}};
 }
 
 Sculpture block(const SculptureSettings& settings) {
   auto s = *Sculpture::create(settings);
-  ToolBody body;
-  body.shank = Shank{.diameter_mm = 9, .length_mm = 20};
+  ToolBody body{.shank = Shank{.diameter_mm = 9, .length_mm = 20}};
   s.apply(DefineTool{1, *make_tool(BallShape{6, 30})}).value();
   s.apply(DefineTool{2, *make_tool(FlatShape{5, 25})}).value();
   s.apply(DefineTool{3, *make_tool(BullNoseShape{6, 1, 25})}).value();

@@ -10,9 +10,7 @@ const Vec3 kUp{0, 0, 1};
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 SculptureSettings settings() {
-  SculptureSettings s;
-  s.stock = BoxStock{{0, 0, 0}, {30, 30, 20}};
-  return s;
+  return SculptureSettings{.stock = BoxStock{{0, 0, 0}, {30, 30, 20}}};
 }
 
 Sculpture sculpture() {

@@ -248,9 +248,7 @@ TEST(SurfaceMesh, BytesAreTheSameEverywhere) {
 }
 
 TEST(TilesToRemesh, AreTheTileAndItsNeighborsWithinTheGrid) {
-  DexelGrid grid;
-  grid.columns_x = 32 * 3;
-  grid.columns_y = 32 * 2;
+  DexelGrid grid{.columns_x = 32 * 3, .columns_y = 32 * 2};
   const std::vector<TileIndex> expected{{0, 0}, {0, 1}, {1, 0}, {1, 1}, {2, 0}, {2, 1}};
   EXPECT_EQ(tiles_to_remesh(grid, {{0, 0}}),
             (std::vector<TileIndex>{{0, 0}, {0, 1}, {1, 0}, {1, 1}}));

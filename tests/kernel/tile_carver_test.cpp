@@ -85,12 +85,8 @@ class History {
 };
 
 SculptureSettings settings_of(Rays rays, const StockShape& stock, bool keep_normals = true) {
-  SculptureSettings settings;
-  settings.stock = stock;
-  settings.pitch_mm = 0.3;
-  settings.rays = rays;
-  settings.keep_normals = keep_normals;
-  return settings;
+  return SculptureSettings{
+      .stock = stock, .rays = rays, .pitch_mm = 0.3, .keep_normals = keep_normals};
 }
 
 std::vector<SculptureSettings> every_kind() {
@@ -153,10 +149,8 @@ TEST(TileCarver, ReplacedTilesEqualABlockWithoutTheUndoneMotions) {
 /// does not. With a fine pitch a difference of one quantum would affect some ray.
 TEST(TileCarver, UnknownStartsGiveTheSameBytes) {
   const Vec3 up{0, 0, 1};
-  SculptureSettings settings;
-  settings.stock = BoxStock{{-2.5, -2.5, -6}, {2.5, 2.5, 0}};
-  settings.pitch_mm = 0.05;
-  settings.tolerance_mm = 0.002;
+  SculptureSettings settings{
+      .stock = BoxStock{{-2.5, -2.5, -6}, {2.5, 2.5, 0}}, .pitch_mm = 0.05, .tolerance_mm = 0.002};
   for (const ToolShape& shape :
        {ToolShape(BullNoseShape{4, 0.05, 30}), ToolShape(BullNoseShape{4, 1, 30}),
         ToolShape(FlatShape{4, 30}), ToolShape(BallShape{4, 30})}) {

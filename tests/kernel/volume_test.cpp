@@ -24,13 +24,11 @@ class Random {
 };
 
 SculptureSettings settings_of(StockShape stock, double pitch_mm, Rays rays) {
-  SculptureSettings s;
-  s.stock = stock;
-  s.pitch_mm = pitch_mm;
-  s.tolerance_mm = 1e-3 * pitch_mm;
-  s.rays = rays;
-  s.keep_normals = false;
-  return s;
+  return SculptureSettings{.stock = stock,
+                           .rays = rays,
+                           .pitch_mm = pitch_mm,
+                           .tolerance_mm = 1e-3 * pitch_mm,
+                           .keep_normals = false};
 }
 
 /// Defines a flat mill as tool 1 that covers the block.

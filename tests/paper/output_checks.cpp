@@ -97,8 +97,7 @@ std::shared_ptr<const TriangleMesh> bird_stl() {
 Replay& replayed_brush() {
   static Replay replay = [] {
     const Example one = brush();
-    Scene scene;
-    scene.settings = one.settings;
+    Scene scene{.settings = one.settings};
     scene.tools[1].shape = one.shape;
     scene.tools[1].tool = make_tool(one.shape).value();
     scene.machine.kinematics = MachineKinematics::kXyzacTrt;

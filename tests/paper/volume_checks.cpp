@@ -68,8 +68,7 @@ Finding cones_leave_their_cutting_profile() {
   for (int n = 0; n < 12; ++n) {
     const double half_angle = in(8, 35), slope = -in(3, 0.9 * (90 - half_angle)) * kDegree;
     const TaperShape shape{4, half_angle, 24};
-    SculptureSettings settings;
-    settings.stock = BoxStock{{-20, -20, -12}, {20, 20, 0}};
+    SculptureSettings settings{.stock = BoxStock{{-20, -20, -12}, {20, 20, 0}}};
     Sculpture block = block_of(settings, shape);
     const Vec3 d = Vec3{std::cos(slope), 0, std::sin(slope)} * 8.0, from{-4, 0.01, -2};
     block.apply(MoveTool{1, {from}, {from + d}, 0, false}).value();
@@ -173,9 +172,7 @@ Finding the_tight_model_needs_fewer_cuts() {
 }  // namespace
 
 Sculpture columns_cut_at(double height_mm) {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{0, 0, 0}, {20, 8, kBlockHeightMm}};
-  settings.pitch_mm = 2;
+  SculptureSettings settings{.stock = BoxStock{{0, 0, 0}, {20, 8, kBlockHeightMm}}, .pitch_mm = 2};
   Sculpture block = block_of(settings, BallShape{kBallMm, 40});
   const Vec3 axis{0, -1, 0};
   block.apply(MoveTool{1, {{10, -4, height_mm}, axis}, {{10, 14, height_mm}, axis}}).value();

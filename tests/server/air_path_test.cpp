@@ -7,13 +7,8 @@ namespace kerf::air_path_test {
 namespace {
 
 MoveTool move_between(Vec3 from, Vec3 to, double duration_s = 0.1, Vec3 axis = {0, 0, 1}) {
-  MoveTool move;
-  move.tool = 1;
-  move.from = {from, axis};
-  move.to = {to, axis};
-  move.duration_s = duration_s;
-  move.feel = false;
-  return move;
+  return MoveTool{
+      .tool = 1, .from = {from, axis}, .to = {to, axis}, .duration_s = duration_s, .feel = false};
 }
 
 TEST(AirPath, JoinsAStraightLineAtOneSpeed) {

@@ -15,9 +15,7 @@ constexpr const char* kTetrahedron =
     "endfacet\nendsolid t\n";
 
 HttpOptions options_of(const std::filesystem::path& folder) {
-  HttpOptions options;
-  options.data_folder = folder;
-  return options;
+  return HttpOptions{.data_folder = folder};
 }
 
 /// A server with a folder of its own.

@@ -18,8 +18,7 @@ class ApiOwnersTest : public ApiRightsTest {
   /// Cuts a groove along X, 2 mm deep, a second after the participant's previous cut.
   void groove(ParticipantId id, double y_mm) {
     for (int n = 0; n <= 100; ++n) {
-      wire::MotionSample sample;
-      sample.agent_sequence = ++samples_[id];
+      wire::MotionSample sample{.agent_sequence = ++samples_[id]};
       times_us_[id] += n == 0 ? 1'000'000 : 1'000;
       sample.time_us = times_us_[id];
       sample.tip_mm = {-10 + 0.2 * n, y_mm, -2};

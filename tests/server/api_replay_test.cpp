@@ -22,12 +22,11 @@ class ApiReplay : public ApiRightsTest {
   const std::string kSession = "/v1/sessions/block/";
 
   void move(ParticipantId id, Vec3 tip, bool cuts, std::uint64_t after_ms) {
-    wire::MotionSample sample;
-    sample.agent_sequence = ++sequences_[id];
-    sample.time_us = 1000 * (time_ms_ += after_ms);
-    sample.tip_mm = tip;
-    sample.tool_id = 1;
-    sample.buttons = cuts ? wire::kButtonCutting : 0;
+    wire::MotionSample sample{.agent_sequence = ++sequences_[id],
+                              .time_us = 1000 * (time_ms_ += after_ms),
+                              .tip_mm = tip,
+                              .tool_id = 1,
+                              .buttons = cuts ? wire::kButtonCutting : 0};
     sent_.push_back(sample);
     ASSERT_TRUE(session->move(id, {&sample, 1}).rejections.empty());
   }
@@ -280,12 +279,11 @@ TEST_F(ApiReplay, HandRejectsTheSameSamplesAsASession) {
   JournalBlock block = made_block(now);
   ASSERT_TRUE(block.carve(now.at("record"), false));
   block.begin_hand(99);
-  wire::MotionSample sample;
-  sample.agent_sequence = 1;
-  sample.time_us = 1000;
-  sample.tip_mm = {0, 0, -4};
-  sample.tool_id = 1;
-  sample.buttons = wire::kButtonCutting;
+  wire::MotionSample sample{.agent_sequence = 1,
+                            .time_us = 1000,
+                            .tip_mm = {0, 0, -4},
+                            .tool_id = 1,
+                            .buttons = wire::kButtonCutting};
   std::vector<wire::MotionSample> samples(3, sample);
   samples[1].time_us = 2000;
   samples[1].tool_id = 77;  // there is no such tool

@@ -14,10 +14,7 @@ std::string header(const ApiResponse& response, std::string_view name) {
 }
 
 HttpOptions options_with(std::vector<std::string> hosts, std::vector<std::string> origins) {
-  HttpOptions options;
-  options.allow_hosts = std::move(hosts);
-  options.allow_origins = std::move(origins);
-  return options;
+  return HttpOptions{.allow_hosts = std::move(hosts), .allow_origins = std::move(origins)};
 }
 
 TEST(ServerAddress, HasASchemeAHostAndNoPath) {
@@ -74,8 +71,7 @@ TEST(BrowserRules, AnOriginThatEqualsAForeignHostIsNotAllowed) {
 }
 
 TEST(BrowserRules, PageLoadsFromItsOwnServerOnly) {
-  ApiResponse page;
-  page.content_type = "text/html; charset=utf-8";
+  ApiResponse page{.content_type = "text/html; charset=utf-8"};
   add_browser_headers({"localhost:8080", ""}, {}, page);
   const std::string policy = header(page, "Content-Security-Policy");
   EXPECT_TRUE(policy.contains("default-src 'self';"));
@@ -106,8 +102,7 @@ TEST(BrowserRules, ThePageMayAlsoUseTheOtherServersOfItsCluster) {
   options.other_servers = [] {
     return std::vector<std::string>{"http://10.0.0.2:8080", "https://heir.example"};
   };
-  ApiResponse page;
-  page.content_type = "text/html";
+  ApiResponse page{.content_type = "text/html"};
   add_browser_headers({"localhost:8080", ""}, options, page);
   EXPECT_TRUE(header(page, "Content-Security-Policy")
                   .contains(" http://10.0.0.2:8080 ws://10.0.0.2:8080"
@@ -131,8 +126,7 @@ TEST(BrowserRules, PagesOfTheClusterMayUseThisServerWithTheirPass) {
 }
 
 TEST(BrowserRules, WorkersMayRunWebAssembly) {
-  ApiResponse script;
-  script.content_type = "text/javascript; charset=utf-8";
+  ApiResponse script{.content_type = "text/javascript; charset=utf-8"};
   add_browser_headers({"localhost:8080", ""}, {}, script);
   EXPECT_EQ(header(script, "Content-Security-Policy"),
             "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; frame-ancestors 'none'");
@@ -141,8 +135,7 @@ TEST(BrowserRules, WorkersMayRunWebAssembly) {
 TEST(BrowserRules, NamedSitesMayFrameTheEmbeddedPageOnly) {
   HttpOptions options;
   const auto frames = [&](std::string_view target, const char* type = "text/html") {
-    ApiResponse response;
-    response.content_type = type;
+    ApiResponse response{.content_type = type};
     add_browser_headers({.host = "localhost", .origin = "", .target = target}, options, response);
     const std::string policy = header(response, "Content-Security-Policy");
     const auto begin = policy.find("frame-ancestors ");

@@ -15,10 +15,7 @@ void cut(Sculpture& sculpture, Vec3 tip) {
 }
 
 Sculpture block(Rays rays = Rays::kDexel) {
-  SculptureSettings settings;
-  settings.stock = kBlock;
-  settings.pitch_mm = 0.5;
-  settings.rays = rays;
+  SculptureSettings settings{.stock = kBlock, .rays = rays, .pitch_mm = 0.5};
   Sculpture sculpture = std::move(Sculpture::create(settings).value());
   EXPECT_TRUE(sculpture.apply(DefineTool{1, make_tool(BallShape{4, 40}).value()}));
   return sculpture;

@@ -12,10 +12,7 @@ namespace {
 const BoxStock kBlock{{-3, 2, 0}, {74, 82, 12}};
 
 Sculpture block_of(Rays rays) {
-  SculptureSettings settings;
-  settings.stock = kBlock;
-  settings.pitch_mm = 0.5;
-  settings.rays = rays;
+  SculptureSettings settings{.stock = kBlock, .rays = rays, .pitch_mm = 0.5};
   return std::move(Sculpture::create(settings).value());
 }
 

@@ -37,8 +37,7 @@ class CommandLineTest : public testing::Test {
     for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
     testing::internal::CaptureStderr();
     auto line = read_command_line(static_cast<int>(arguments.size()), arguments.data());
-    Outcome outcome;
-    outcome.said = testing::internal::GetCapturedStderr();
+    Outcome outcome{.said = testing::internal::GetCapturedStderr()};
     for (const auto& [name, value] : environment) unsetenv(name.c_str());
     if (line) {
       outcome.line = *std::move(line);

@@ -13,19 +13,13 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 wire::MotionSample sample_at(Vec3 tip, Vec3f axis = {0, 0, 1}) {
-  wire::MotionSample sample;
-  sample.agent_sequence = 5;
-  sample.tip_mm = tip;
-  sample.axis = axis;
-  return sample;
+  return wire::MotionSample{.agent_sequence = 5, .tip_mm = tip, .axis = axis};
 }
 
 MotionResult result_of(double force_n, double removed_mm3, double area_mm2) {
-  MotionResult result;
-  result.wrench.force_n = {force_n, 0, 0};
-  result.removed_mm3 = removed_mm3;
-  result.cutting = {area_mm2, {1, 0, 0}, {area_mm2, 2, 3}};
-  return result;
+  return MotionResult{.wrench = {.force_n = {force_n, 0, 0}},
+                      .cutting = {area_mm2, {1, 0, 0}, {area_mm2, 2, 3}},
+                      .removed_mm3 = removed_mm3};
 }
 
 TEST(ToPose, RoundsToThePoseGrid) {
@@ -97,10 +91,8 @@ struct RestingBall {
     held.add_motion(cut, block, {1, {{0, 0, 1}, {0, 0, 1}}, at, 0.001, true}, result_of(10, 1, 4));
   }
   static Sculpture make(ForceLaw law) {
-    SculptureSettings settings;
-    settings.stock = BoxStock{{-10, -10, -10}, {10, 10, 0}};
-    settings.pitch_mm = 0.5;
-    settings.force.law = law;
+    SculptureSettings settings{
+        .stock = BoxStock{{-10, -10, -10}, {10, 10, 0}}, .pitch_mm = 0.5, .force = {.law = law}};
     return Sculpture::create(settings).value();
   }
   /// Returns the result of a step of 3 ms.

@@ -50,11 +50,10 @@ class DamageTest : public testing::Test {
     writer = {};
     damages.clear();
     options.data_folder = folder.path();
-    RegistryOptions registry_options;
-    registry_options.data_folder = folder.path();
-    registry_options.sessions_max = 4;
-    registry_options.matters = net::matters();
-    registry_options.snapshots.writer = &writer;
+    RegistryOptions registry_options{.data_folder = folder.path(),
+                                     .sessions_max = 4,
+                                     .snapshots = {.writer = &writer},
+                                     .matters = net::matters()};
     registry_options.snapshots.limits = {
         .replay_time = {}, .age = std::chrono::hours(1), .pause = {}};
     registry_options.on_damage = [this](const std::string& id, const JournalError& damage) {
@@ -76,12 +75,11 @@ class DamageTest : public testing::Test {
   /// Cuts along X, with a row of the journal for each motion. Returns the number of the stroke.
   std::uint64_t stroke(ParticipantId id, double y_mm, int motions = 20) {
     const auto send = [&](double x_mm, double z_mm, bool cuts) {
-      wire::MotionSample sample;
-      sample.agent_sequence = ++samples;
-      sample.time_us = 1000 * samples;
-      sample.tip_mm = {x_mm, y_mm, z_mm};
-      sample.tool_id = 1;
-      sample.buttons = cuts ? wire::kButtonCutting : 0;
+      wire::MotionSample sample{.agent_sequence = ++samples,
+                                .time_us = 1000 * samples,
+                                .tip_mm = {x_mm, y_mm, z_mm},
+                                .tool_id = 1,
+                                .buttons = cuts ? wire::kButtonCutting : 0};
       EXPECT_TRUE(session->move(id, {&sample, 1}).rejections.empty());
       EXPECT_TRUE(session->flush());
     };

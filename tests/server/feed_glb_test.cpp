@@ -34,9 +34,7 @@ std::vector<std::byte> glb_of(const std::vector<EncodedTile>& tiles, const Dexel
 TEST(MeshQuantization, StepIsTheSmallestHalvedPitchThatFitsEveryTile) {
   for (const double pitch : {0.01, 0.1, 0.25, 3.0}) {
     for (const double height : {0.5, 50.0, 900.0}) {
-      DexelGrid grid;
-      grid.pitch_mm = pitch;
-      grid.z_quantum_mm = std::exp2(-20);
+      DexelGrid grid{.pitch_mm = pitch, .z_quantum_mm = std::exp2(-20)};
       grid.height_quanta = static_cast<std::int32_t>(std::min(height, 1000.0) / grid.z_quantum_mm);
       const double step = mesh_quantization(grid).step_mm;
       int exponent = 0;
@@ -145,9 +143,7 @@ TEST(MeshGlbSize, CompressionHalvesTheSize) {
 
 TEST(MeshGlbTile, EmptyTileIsANodeWithoutMesh) {
   DexelGrid grid;
-  EncodedTile empty;
-  empty.tile = {4, 9};
-  empty.version = 2;
+  EncodedTile empty{.tile = {4, 9}, .version = 2};
   const auto decoded = test::read_mesh_glb(glb_of({empty}, grid));
   EXPECT_EQ(decoded.tiles.at({4, 9}).version, 2U);
   EXPECT_TRUE(decoded.tiles.at({4, 9}).indices.empty());
@@ -162,14 +158,11 @@ TEST(MeshGlbTile, LargeTilesHaveWideIndices) {
     mesh.original.push_back(1);
   }
   mesh.indices = {0, 69999, 1, 2, 3, 69998};
-  TileMesh small;
-  small.tile = {1, 0};
-  small.positions_mm = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  TileMesh small{.tile = {1, 0}, .positions_mm = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
   small.normals.assign(3, {0, 0, 1});
   small.original.assign(3, 1);
   small.indices = {0, 1, 2};
-  DexelGrid grid;
-  grid.pitch_mm = 10;
+  DexelGrid grid{.pitch_mm = 10};
   const MeshQuantization quantization = mesh_quantization(grid);
   const std::vector<EncodedTile> tiles{encode_tile(small, quantization, 1),
                                        encode_tile(mesh, quantization, 1)};

@@ -8,13 +8,11 @@ namespace kerf::journal_record_test {
 namespace {
 
 MoveTool some_move() {
-  MoveTool move;
-  move.tool = 7;
-  move.from = {{1.5, -2.25, 1e-300}, {0, 0, 1}};
-  move.to = {{0.1, 0.2, 0.30000000000000004}, {0.6, 0, 0.8}};
-  move.duration_s = 0.001;
-  move.feel = false;
-  return move;
+  return MoveTool{.tool = 7,
+                  .from = {{1.5, -2.25, 1e-300}, {0, 0, 1}},
+                  .to = {{0.1, 0.2, 0.30000000000000004}, {0.6, 0, 0.8}},
+                  .duration_s = 0.001,
+                  .feel = false};
 }
 
 DefineTool some_tool() {

@@ -12,12 +12,10 @@ namespace {
 const JournalHeader kHeader{"demo", "{\"name\":\"demo\"}", "/scenes", 1};
 
 MoveTool move_to(double x_mm) {
-  MoveTool move;
-  move.tool = 1;
-  move.from.tip_mm = {x_mm - 1, 0, 0};
-  move.to.tip_mm = {x_mm, 0, 0};
-  move.duration_s = 0.001;
-  return move;
+  return MoveTool{.tool = 1,
+                  .from = {.tip_mm = {x_mm - 1, 0, 0}},
+                  .to = {.tip_mm = {x_mm, 0, 0}},
+                  .duration_s = 0.001};
 }
 
 class Journal : public testing::Test {

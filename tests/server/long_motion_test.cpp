@@ -102,8 +102,7 @@ TEST_F(LongMotionTest, ResumedParticipantGetsThePendingMotionInItsNextResult) {
 }
 
 TEST_F(LongMotionTest, ProgramMotionTakesSeveralSlicesAndSurvivesCancellation) {
-  Program program;
-  program.name = "wide.ngc";
+  Program program{.name = "wide.ngc"};
   program.motions.resize(2);
   for (ProgramMotion& motion : program.motions) motion.tool = 1;
   program.motions[0].from.tip_mm = program.motions[1].to.tip_mm = {0, 0, 1};

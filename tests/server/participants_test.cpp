@@ -9,9 +9,7 @@ namespace kerf::participants_test {
 namespace {
 
 Sculpture sculpture_with_tools() {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{0, 0, 0}, {10, 10, 10}};
-  settings.pitch_mm = 0.5;
+  SculptureSettings settings{.stock = BoxStock{{0, 0, 0}, {10, 10, 10}}, .pitch_mm = 0.5};
   auto sculpture = *Sculpture::create(settings);
   for (const ToolId tool : {1U, 2U}) {
     sculpture.apply(DefineTool{tool, *make_tool(BallShape{4, 40})}).value();

@@ -21,11 +21,7 @@ class PinsTest : public SessionUndo {
     return {0, text, {1.5, -2, 1e-3}, {0, 0.6, 0.8}, 0, 3000, "Ada", person};
   }
   static Caller sculptor(const std::string& grant) {
-    Caller caller;
-    caller.role = Role::kSculptor;
-    caller.is_personal = true;
-    caller.grant = grant;
-    return caller;
+    return Caller{.role = Role::kSculptor, .grant = grant, .is_personal = true};
   }
   std::string fault(std::uint32_t number, const Caller& caller) {
     const auto removed = pins().remove(number, caller);

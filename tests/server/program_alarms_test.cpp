@@ -11,13 +11,8 @@ namespace kerf::program_alarms_test {
 namespace {
 
 ProgramMotion motion_at(std::uint32_t line, double x_mm, bool rapid = false) {
-  ProgramMotion motion;
-  motion.tool = 1;
-  motion.to.tip_mm = {x_mm, 0, 0};
-  motion.duration_s = 1;
-  motion.line = line;
-  motion.rapid = rapid;
-  return motion;
+  return ProgramMotion{
+      .tool = 1, .to = {.tip_mm = {x_mm, 0, 0}}, .duration_s = 1, .line = line, .rapid = rapid};
 }
 
 TEST(ProgramAlarms, ConsecutiveMotionsAreOneAlarm) {
@@ -161,8 +156,7 @@ TEST_F(SessionTest, CrashingProgramListsAlarmsWithPositions) {
 TEST_F(SessionTest, FramesIncludeProgramsOnlyAfterAChange) {
   const auto session = start();
   EXPECT_FALSE(session->frame(true).programs);
-  Program program;
-  program.motions = {motion_at(1, 1)};
+  Program program{.motions = {motion_at(1, 1)}};
   program.motions[0].duration_s = 1000;
   const auto id = session->start_program(program, {ProgramPace::kFeed})->id;
   auto update = session->frame(false).programs;

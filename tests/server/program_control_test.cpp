@@ -13,8 +13,7 @@ using std::chrono::seconds;
 
 /// Motions of one second each, on the given lines.
 Program program_at(const std::vector<std::uint32_t>& lines) {
-  Program program;
-  program.name = "p.ngc";
+  Program program{.name = "p.ngc"};
   for (const std::uint32_t line : lines) {
     ProgramMotion& motion = program.motions.emplace_back();
     motion.tool = line < 100 ? 1 : 2;

@@ -20,8 +20,7 @@ class ProgramJournal : public SessionTest {
   }
   /// A path through `points`, with one motion of a millisecond to each point.
   static Program program_through(const std::vector<Vec3>& points) {
-    Program program;
-    program.name = "path.ngc";
+    Program program{.name = "path.ngc"};
     for (std::size_t n = 1; n < points.size(); ++n) {
       ProgramMotion& motion = program.motions.emplace_back();
       motion.tool = 1;

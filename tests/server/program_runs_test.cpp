@@ -10,15 +10,13 @@ namespace {
 using Carved = std::expected<std::optional<CarvedMotion>, Rejection>;
 
 Program program_of(std::size_t motions, double duration_s = 0.001) {
-  Program program;
-  program.name = "p.ngc";
+  Program program{.name = "p.ngc"};
   for (std::size_t i = 0; i < motions; ++i) {
-    ProgramMotion motion;
-    motion.tool = 1;
-    motion.from.tip_mm.x = static_cast<double>(i);
-    motion.to.tip_mm.x = static_cast<double>(i + 1);
-    motion.duration_s = duration_s;
-    motion.line = static_cast<std::uint32_t>(i + 10);
+    ProgramMotion motion{.tool = 1,
+                         .from = {.tip_mm = {.x = static_cast<double>(i)}},
+                         .to = {.tip_mm = {.x = static_cast<double>(i + 1)}},
+                         .duration_s = duration_s,
+                         .line = static_cast<std::uint32_t>(i + 10)};
     program.motions.push_back(motion);
   }
   return program;

@@ -14,13 +14,11 @@ TrustedProxies proxies(const std::vector<std::string>& texts) {
 }
 
 RequestHead forwarded_head() {
-  RequestHead head;
-  head.host = "127.0.0.1:8080";
-  head.address = "10.0.0.7";
-  head.forwarded_for = "203.0.113.9";
-  head.forwarded_host = "kerf.example";
-  head.forwarded_proto = "https";
-  return head;
+  return RequestHead{.host = "127.0.0.1:8080",
+                     .address = "10.0.0.7",
+                     .forwarded_for = "203.0.113.9",
+                     .forwarded_host = "kerf.example",
+                     .forwarded_proto = "https"};
 }
 
 TEST(TrustedProxies, AreAddressesAndNetworksOfBothFamilies) {

@@ -14,10 +14,7 @@ constexpr double kPitchMm = 0.25;
 const BoxStock kBlock{{-3, 2, 1}, {28, 28, 9}};
 
 Sculpture block(Rays rays = Rays::kDexel) {
-  SculptureSettings settings;
-  settings.stock = kBlock;
-  settings.pitch_mm = kPitchMm;
-  settings.rays = rays;
+  SculptureSettings settings{.stock = kBlock, .rays = rays, .pitch_mm = kPitchMm};
   return std::move(Sculpture::create(settings).value());
 }
 

@@ -211,8 +211,7 @@ class RandomExport : public SessionExport {
   }
 
   void start_some_program() {
-    Program program;
-    program.name = "random.ngc";
+    Program program{.name = "random.ngc"};
     ToolPose at{{uniform(-18, 18), uniform(-18, 18), uniform(-6, 10)}, {0, 0, 1}};
     ToolId tool = 1 + static_cast<ToolId>(one_of(kRackTools));
     const auto motions = 1 + one_of(60);

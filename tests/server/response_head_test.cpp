@@ -27,8 +27,7 @@ TEST(ResponseHead, StatesWhetherTheConnectionStaysOpen) {
 
 TEST(ResponseHead, AnnouncesNoBodyWhereNoneIsAllowed) {
   for (const unsigned status : {204u, 304u}) {
-    ApiResponse response;
-    response.status = status;
+    ApiResponse response{.status = status};
     EXPECT_EQ(response_head(response, {}).find("Content-"), std::string::npos) << status;
   }
 }

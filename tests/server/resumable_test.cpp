@@ -114,8 +114,7 @@ TEST_F(ResumableTest, RecallIsRetriedUntilCommitted) {
     return std::string(32 - digits.size(), '0') + digits;
   };
   for (ParticipantId id = 1; id <= Resumable::kKept + 1; ++id) {
-    ResumableAgent agent;
-    agent.token = *hash_token(token(id));
+    ResumableAgent agent{.token = *hash_token(token(id))};
     // This state is ahead of the journal, which has no record yet.
     resumable.keep(id, agent, absent, 1);
   }

@@ -13,11 +13,8 @@ constexpr const char* kScene = R"({"name": "bench",
   "tools": [{"id": 1, "shape": "ball", "diameter_mm": 10, "length_mm": 60}]})";
 
 std::unique_ptr<Server> start(const std::filesystem::path& folder, SessionLimits limits = {}) {
-  ServerOptions options;
-  options.session = limits;
-  options.port = 0;
-  options.udp.on = false;
-  options.http.data_folder = folder;
+  ServerOptions options{
+      .port = 0, .http = {.data_folder = folder}, .session = limits, .udp = {.on = false}};
   auto made = Server::create(options);
   EXPECT_TRUE(made) << made.error();
   const auto listening = (*made)->listen();
@@ -41,8 +38,7 @@ std::vector<bench::WebSocket> watch(std::uint16_t port, int count) {
 void cut_until_the_end(bench::WebSocket& agent) {
   std::vector<std::byte> frame;
   for (std::uint64_t n = 1;; ++n) {
-    wire::MotionBatch batch;
-    batch.count = 1;
+    wire::MotionBatch batch{.count = 1};
     batch.samples[0] = bench::sample_at(n, 0);
     frame.clear();
     wire::append(frame, {bench::kNewEpoch, n, n * 1000}, batch);
@@ -95,8 +91,7 @@ TEST(ServerStart, InAUsedFolderFailsAndChangesNothing) {
   const test::TemporaryFolder folder;
   const auto first = start(folder.path());
   bench::post(first->port(), "/v1/sessions?id=bench", kScene);
-  ServerOptions options;
-  options.http.data_folder = folder.path();
+  ServerOptions options{.http = {.data_folder = folder.path()}};
   const auto error = test::error_of(Server::create(options));
   EXPECT_TRUE(error.contains("in use")) << error;
   EXPECT_EQ(bench::json_field(bench::get(first->port(), "/v1/sessions/bench"), "paused"), "null");

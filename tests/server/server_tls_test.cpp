@@ -99,13 +99,11 @@ TEST(SlowDownloads, OverTlsUseLittleMemory) {
   test::certify(folder / "own");
   std::filesystem::create_directory(folder / "web");
   std::ofstream(folder / "web/large.bin") << std::string(kBytes, 'x');
-  ServerOptions options;
-  options.port = 0;
-  options.udp.on = false;
-  options.http.data_folder = folder / "data";
-  options.http.web_folder = folder / "web";
-  options.tls_certificate = folder / "own.pem";
-  options.tls_key = folder / "own.key";
+  ServerOptions options{.port = 0,
+                        .http = {.data_folder = folder / "data", .web_folder = folder / "web"},
+                        .udp = {.on = false},
+                        .tls_certificate = folder / "own.pem",
+                        .tls_key = folder / "own.key"};
   auto server = Server::create(options).value();
   ASSERT_TRUE(server->listen());
   std::vector<std::unique_ptr<SlowReader>> readers;

@@ -133,10 +133,7 @@ class ServerUdp : public testing::Test {
  protected:
   std::expected<void, std::string> start(const UdpOptions& udp) {
     server_.reset();
-    ServerOptions options;
-    options.port = 0;
-    options.udp = udp;
-    options.http.data_folder = folder_.path();
+    ServerOptions options{.port = 0, .http = {.data_folder = folder_.path()}, .udp = udp};
     auto made = Server::create(options);
     EXPECT_TRUE(made) << made.error();
     server_ = *std::move(made);
@@ -164,8 +161,7 @@ TEST_F(ServerUdp, APortInUseIsAnErrorOnlyIfItWasNamed) {
   start_with_udp();
   create("block");
   const test::TemporaryFolder folder;
-  ServerOptions second;
-  second.port = 0;
+  ServerOptions second{.port = 0};
   second.udp = {.required = true, .address = {}, .port = server_->udp_port()};
   second.http.data_folder = folder.path();
   auto other = *Server::create(second);

@@ -42,13 +42,11 @@ class SessionTest : public testing::Test {
   }
   /// Returns a cutting sample one millisecond after the previous one of the test.
   wire::MotionSample next(double x_mm, double y_mm, double z_mm) {
-    wire::MotionSample sample;
-    sample.agent_sequence = ++sequence;
-    sample.time_us = 1000 * sequence;
-    sample.tip_mm = {x_mm, y_mm, z_mm};
-    sample.tool_id = 1;
-    sample.buttons = wire::kButtonCutting;
-    return sample;
+    return wire::MotionSample{.agent_sequence = ++sequence,
+                              .time_us = 1000 * sequence,
+                              .tip_mm = {x_mm, y_mm, z_mm},
+                              .tool_id = 1,
+                              .buttons = wire::kButtonCutting};
   }
   MotionAnswer move(Session& session, ParticipantId id, double x_mm, double y_mm, double z_mm) {
     const wire::MotionSample sample = next(x_mm, y_mm, z_mm);

@@ -221,11 +221,8 @@ TEST_F(SessionFollow, ViewersSeeTheOwnersParticipants) {
   LiveState stated = session_->live_state();
   stated.paused = "disk";
   stated.viewers = {{"b", 3}, {"c", 2}};
-  ProgramGlance program;
-  program.id = 4;
-  program.name = "s.ngc";
-  program.state = ProgramState::kPaused;
-  program.error = "line 3";
+  ProgramGlance program{
+      .id = 4, .name = "s.ngc", .state = ProgramState::kPaused, .error = "line 3"};
   stated.programs = {program};
   const auto bytes = encode_live(stated);
   auto read = test::value_of(decode_live(bytes));

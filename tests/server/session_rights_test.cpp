@@ -126,8 +126,7 @@ TEST_F(SessionRightsTest, OneNetworkOfGuestsCannotExcludeAnother) {
 }
 
 TEST_F(SessionRightsTest, NewestOfTwoRegionChangesWins) {
-  net::HttpOptions options;
-  options.data_folder = folder.path();
+  net::HttpOptions options{.data_folder = folder.path()};
   const net::Metrics metrics;
   const auto access = *Access::open({});
   net::Api api(options, *registry, metrics, *access);
@@ -156,13 +155,11 @@ TEST_F(SessionRightsTest, AConnectionOpenedBeforeADecisionJoinsAsDecided) {
 }
 
 TEST_F(SessionRightsTest, ProgramsEndWithTheGrantOfTheirAuthor) {
-  Program program;
-  program.name = "p.ngc";
+  Program program{.name = "p.ngc"};
   for (int n = 0; n < 1000; ++n) {
     program.motions.push_back({1, {{0, 0, -1}, {0, 0, 1}}, {{1, 0, -1}, {0, 0, 1}}, 1});
   }
-  Caller ada;
-  ada.role = Role::kSculptor;
+  Caller ada{.role = Role::kSculptor};
   ada.grant = "ada";
   const auto started = session->start_program(program, {ProgramPace::kFeed}, ada);
   ada.grant = "ben";

@@ -115,8 +115,7 @@ class Crowd {
   }
   /// Cuts, and air motions that are joined.
   Program program() {
-    Program program;
-    program.name = "path.ngc";
+    Program program{.name = "path.ngc"};
     ToolPose at{admit_pose({place(), {0, 0, 1}})};
     for (int n = 0; n < 12; ++n) {
       Vec3 tip = n % 6 < 3 ? place() : at.tip_mm + Vec3{1, 0, 0};

@@ -264,8 +264,7 @@ TEST_F(SessionTest, AgentsAreServedBetweenProgramSlices) {
 
 TEST_F(SessionTest, ProgramWithUnknownToolCutsNothing) {
   const auto session = start();
-  Program program;
-  program.name = "x.ngc";
+  Program program{.name = "x.ngc"};
   program.motions.resize(1);
   program.motions[0].tool = 9;
   program.motions[0].line = 4;

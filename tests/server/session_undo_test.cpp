@@ -156,8 +156,7 @@ TEST_F(SessionUndo, MotionInPiecesIsCompletedBeforeItsUndo) {
   create(scene);
   const ParticipantId ada = join("Ada");
   move(ada, {-18, -18, 1}, false);
-  wire::MotionSample sample;
-  sample.agent_sequence = ++sequences_[ada];
+  wire::MotionSample sample{.agent_sequence = ++sequences_[ada]};
   time_ms_ += 1000;
   sample.time_us = 1000 * time_ms_;
   sample.tip_mm = {18, 18, -2};
@@ -313,8 +312,7 @@ TEST_F(SessionUndo, InvalidOrForbiddenRequestsChangeNothing) {
   EXPECT_EQ(code({.undone = false, .strokes = {b}}), std::nullopt);
   EXPECT_EQ(hash(), before);
   EXPECT_EQ(session_->sequence(), records + 2);
-  Caller watcher;
-  watcher.role = Role::kWatcher;
+  Caller watcher{.role = Role::kWatcher};
   std::expected<StrokesChanged, Rejection> refused;
   auto asked = std::async(std::launch::async, [&] {
     SerialWorkers alone;

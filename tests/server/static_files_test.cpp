@@ -27,11 +27,10 @@ class StaticFilesTest : public testing::Test {
 
   ApiResponse get(std::vector<std::string> path, const std::string& accept_encoding,
                   const std::string& if_none_match = {}) const {
-    ApiRequest request;
-    request.method = "GET";
-    request.path = std::move(path);
-    request.accept_encoding = accept_encoding;
-    request.if_none_match = if_none_match;
+    ApiRequest request{.method = "GET",
+                       .path = std::move(path),
+                       .if_none_match = if_none_match,
+                       .accept_encoding = accept_encoding};
     return static_file(folder_.path(), request);
   }
 

@@ -16,8 +16,7 @@ namespace {
 constexpr Vec3 kUp{0, 0, 1};
 
 Sculpture block(Rays rays) {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{0, 0, -20}, {400, 100, 0}};
+  SculptureSettings settings{.stock = BoxStock{{0, 0, -20}, {400, 100, 0}}};
   settings.pitch_mm = 0.5;  // tiles of 16 mm
   settings.rays = rays;
   settings.keep_normals = false;
@@ -321,11 +320,10 @@ TEST_P(StockFeedTest, ReplicaStaysCorrectOnALongSharedPath) {
 
 TEST_P(StockFeedTest, StoresTilesWithoutNormals) {
   const auto stored_bytes = [](bool keep_normals) {
-    SculptureSettings settings;
-    settings.stock = BoxStock{{0, 0, -20}, {100, 100, 0}};
-    settings.pitch_mm = 0.5;
-    settings.rays = GetParam();
-    settings.keep_normals = keep_normals;
+    SculptureSettings settings{.stock = BoxStock{{0, 0, -20}, {100, 100, 0}},
+                               .rays = GetParam(),
+                               .pitch_mm = 0.5,
+                               .keep_normals = keep_normals};
     auto server = *Sculpture::create(settings);
     server.apply(DefineTool{1, *make_tool(BallShape{6, 40})}).value();
     for (double y = 10; y < 100; y += 20) {
@@ -344,8 +342,7 @@ TEST_P(StockFeedTest, StoresTilesWithoutNormals) {
 }
 
 TEST(StockFeed, LimitsTheTilesOfARegion) {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{0, 0, -20}, {400, 400, 0}};
+  SculptureSettings settings{.stock = BoxStock{{0, 0, -20}, {400, 400, 0}}};
   settings.pitch_mm = 0.01;  // tiles of 0.32 mm
   settings.keep_normals = false;
   auto server = *Sculpture::create(settings);

@@ -12,10 +12,7 @@ namespace {
 const BoxStock kBlock{{-3, 2, 1}, {28, 28, 9}};
 
 Sculpture carved_block(unsigned seed, Rays rays, int cuts) {
-  SculptureSettings settings;
-  settings.stock = kBlock;
-  settings.pitch_mm = 0.25;
-  settings.rays = rays;
+  SculptureSettings settings{.stock = kBlock, .rays = rays, .pitch_mm = 0.25};
   Sculpture sculpture = std::move(Sculpture::create(settings).value());
   test::RandomCarver carver(sculpture, kBlock.min_mm, kBlock.max_mm, seed);
   for (int n = 0; n < cuts; ++n) carver.cut();
@@ -121,10 +118,7 @@ TEST_P(TileDetailOfRays, CoarserLevelsKeepOriginalSurfaceFlags) {
 /// A block with shallow grooves of a thin ball in all directions, which run across the borders of
 /// its tiles.
 Sculpture grooved_block(Rays rays) {
-  SculptureSettings settings;
-  settings.stock = kBlock;
-  settings.pitch_mm = 0.25;
-  settings.rays = rays;
+  SculptureSettings settings{.stock = kBlock, .rays = rays, .pitch_mm = 0.25};
   Sculpture sculpture = std::move(Sculpture::create(settings).value());
   sculpture.apply(DefineTool{1, *make_tool(BallShape{2, 30})}).value();
   const Vec3 middle{12.3, 15.2, 8.6}, up{0, 0, 1};
@@ -178,8 +172,7 @@ TEST(TileDetail, TilesWithDifferentBorderLevelsLeaveCracks) {
 }
 
 TEST(TileDetail, LevelDependsOnTheDistanceToTheTile) {
-  DexelGrid grid;
-  grid.pitch_mm = 0.25;
+  DexelGrid grid{.pitch_mm = 0.25};
   grid.columns_x = grid.columns_y = 320;
   grid.z_quantum_mm = std::exp2(-20);
   grid.height_quanta = 10 << 20;

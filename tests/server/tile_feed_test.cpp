@@ -142,8 +142,7 @@ TEST_F(TileFeedTest, SlowViewersConvergeToTheNewestState) {
 
 TEST(TileFeedDeltas, BringEveryTileWhoseMeshChangedWithEachMotion) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
-    SculptureSettings settings;
-    settings.stock = BoxStock{{0, 0, 0}, {33, 27, 9}};
+    SculptureSettings settings{.stock = BoxStock{{0, 0, 0}, {33, 27, 9}}};
     settings.pitch_mm = 0.5;  // the tools' features are of that size
     settings.rays = rays;
     Sculpture sculpture = std::move(Sculpture::create(settings).value());

@@ -64,13 +64,11 @@ class SessionUndo : public testing::Test {
   }
   /// The next sample of a participant with an upright tool 1.
   wire::MotionSample next(ParticipantId id, Vec3 tip, bool cuts) {
-    wire::MotionSample sample;
-    sample.agent_sequence = ++sequences_[id];
-    sample.time_us = 1000 * ++time_ms_;
-    sample.tip_mm = tip;
-    sample.tool_id = 1;
-    sample.buttons = cuts ? wire::kButtonCutting : 0;
-    return sample;
+    return wire::MotionSample{.agent_sequence = ++sequences_[id],
+                              .time_us = 1000 * ++time_ms_,
+                              .tip_mm = tip,
+                              .tool_id = 1,
+                              .buttons = cuts ? wire::kButtonCutting : 0};
   }
   /// Moves the tool of a participant, cutting unless `cuts` is false.
   MotionAnswer move(ParticipantId id, Vec3 tip, bool cuts = true) {

@@ -27,12 +27,10 @@ class SlowUpload : public testing::Test {
   static constexpr std::size_t kBytes = 1000;  // maximum for one client
 
   void start(const UploadPace& pace) {
-    ServerOptions options;
-    options.port = 0;
-    options.udp.on = false;
-    options.http.data_folder = folder_.path();
-    options.http.upload_bytes = 2 * kBytes;
-    options.http.upload_pace = pace;
+    ServerOptions options{
+        .port = 0,
+        .http = {.upload_bytes = 2 * kBytes, .upload_pace = pace, .data_folder = folder_.path()},
+        .udp = {.on = false}};
     auto made = test::value_of(Server::create(options));
     server_ = std::move(made);
     const auto listening = server_->listen();

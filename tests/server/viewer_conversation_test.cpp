@@ -244,42 +244,39 @@ TEST_F(ViewerConversationTest, FramesAreSentByPriority) {
 }
 
 TEST(ProgramsMessage, IsTheGoldenOne) {
-  ProgramGlance running;
-  running.id = 3;
-  running.participant = 12;
-  running.name = "bracket.ngc";
-  running.pace = ProgramPace::kFeed;
-  running.speed = 2.5;
-  running.motions_done = 150;
-  running.motions = 600;
-  running.line = 41;
-  running.tool = 2;
-  running.elapsed_s = 20;
-  running.programmed_s = 80;
-  running.feed_mm_per_min = 900;
-  running.removed_mm3 = 12.5;
-  running.alarm_count = 1;
-  ProgramGlance queued;
-  queued.id = 4;
-  queued.participant = 13;
-  queued.name = "chamfer.ngc";
-  queued.state = ProgramState::kQueued;
-  queued.after = 3;
-  queued.motions = 7;
-  queued.tool = 1;
-  queued.programmed_s = 3;
-  ProgramGlance failed;
-  failed.id = 2;
-  failed.participant = 11;
-  failed.name = "old.ngc";
-  failed.state = ProgramState::kFailed;
-  failed.motions_done = 4;
-  failed.motions = 8;
-  failed.line = 9;
-  failed.tool = 1;
-  failed.elapsed_s = 1;
-  failed.programmed_s = 2;
-  failed.error = "old.ngc:9: too far";
+  ProgramGlance running{.id = 3,
+                        .participant = 12,
+                        .name = "bracket.ngc",
+                        .pace = ProgramPace::kFeed,
+                        .speed = 2.5,
+                        .motions_done = 150,
+                        .motions = 600,
+                        .line = 41,
+                        .tool = 2,
+                        .elapsed_s = 20,
+                        .programmed_s = 80,
+                        .feed_mm_per_min = 900,
+                        .removed_mm3 = 12.5,
+                        .alarm_count = 1};
+  ProgramGlance queued{.id = 4,
+                       .participant = 13,
+                       .name = "chamfer.ngc",
+                       .state = ProgramState::kQueued,
+                       .after = 3,
+                       .motions = 7,
+                       .tool = 1,
+                       .programmed_s = 3};
+  ProgramGlance failed{.id = 2,
+                       .participant = 11,
+                       .name = "old.ngc",
+                       .state = ProgramState::kFailed,
+                       .motions_done = 4,
+                       .motions = 8,
+                       .line = 9,
+                       .tool = 1,
+                       .elapsed_s = 1,
+                       .programmed_s = 2,
+                       .error = "old.ngc:9: too far"};
   std::ifstream file(KERF_SOURCE_DIR "/tests/wire/golden/programs.json");
   EXPECT_EQ(nlohmann::json::parse(programs_message({running, queued, failed})),
             nlohmann::json::parse(file));

@@ -63,9 +63,7 @@ int main(int argc, char** argv) {
   for (const TileMesh& mesh : test::mesh_all(snapshot)) {
     tiles.push_back(encode_tile(mesh, quantization, 3, TileCompression::kMeshopt));
   }
-  EncodedTile gone;
-  gone.tile = {90, 91};
-  gone.version = 4;
+  EncodedTile gone{.tile = {90, 91}, .version = 4};
   std::vector<const EncodedTile*> all;
   for (const EncodedTile& tile : tiles) all.push_back(&tile);
   const EncodedTile plain = encode_tile(mesh_tile(snapshot, {0, 0}), quantization, 3);

@@ -8,9 +8,7 @@
 namespace kerf::test {
 
 inline Sculpture make_sculpture(StockShape stock, double pitch_mm) {
-  SculptureSettings settings;
-  settings.stock = stock;
-  settings.pitch_mm = pitch_mm;
+  SculptureSettings settings{.stock = stock, .pitch_mm = pitch_mm};
   return std::move(Sculpture::create(settings).value());
 }
 

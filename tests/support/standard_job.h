@@ -48,13 +48,11 @@ inline double standard_surface(double y) {
 }
 
 inline SculptureSettings standard_settings(double pitch_mm, double tolerance_mm) {
-  SculptureSettings s;
-  s.stock = BoxStock{{0, 0, 0}, {100, 100, 50}};
-  s.pitch_mm = pitch_mm;
-  s.tolerance_mm = tolerance_mm;
-  s.force.pivot_mm = 50;
-  s.keep_normals = false;
-  return s;
+  return SculptureSettings{.stock = BoxStock{{0, 0, 0}, {100, 100, 50}},
+                           .pitch_mm = pitch_mm,
+                           .tolerance_mm = tolerance_mm,
+                           .keep_normals = false,
+                           .force = {.pivot_mm = 50}};
 }
 
 }  // namespace kerf::test

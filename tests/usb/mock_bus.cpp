@@ -142,8 +142,7 @@ bool MockDevice::handle(UMockdevIoctlClient* client) {
 bool MockDevice::submit(UMockdevIoctlClient* client) {
   if (!plugged_) return answer(client, -1, ENODEV);
   UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
-  Urb urb;
-  urb.data = umockdev_ioctl_data_resolve(argument, 0, sizeof(usbdevfs_urb), nullptr);
+  Urb urb{.data = umockdev_ioctl_data_resolve(argument, 0, sizeof(usbdevfs_urb), nullptr)};
   urb.urb = reinterpret_cast<usbdevfs_urb*>(urb.data->data);
   urb.buffer = umockdev_ioctl_data_resolve(urb.data, offsetof(usbdevfs_urb, buffer),
                                            static_cast<gsize>(urb.urb->buffer_length), nullptr);

@@ -7,8 +7,7 @@ namespace kerf::wire::codec_test {
 namespace {
 
 MotionBatch motion_batch(std::uint32_t count, std::uint64_t first) {
-  MotionBatch batch;
-  batch.count = count;
+  MotionBatch batch{.count = count};
   for (std::uint32_t i = 0; i < count; ++i) {
     batch.samples[i] = {.agent_sequence = first + i,
                         .time_us = 1000 * (first + i),

@@ -311,9 +311,7 @@ TEST_F(TrafficTest, DeadbandKeepsPosesWithOtherButtonsAxisOrTool) {
 
 TEST_F(TrafficTest, ForwardsTheWrenchOfTheFollowedParticipant) {
   Traffic traffic = make();
-  wire::ToolState other;
-  other.force_n = {1, 2, 3};
-  other.torque_nmm = {4, 5, 6};
+  wire::ToolState other{.force_n = {1, 2, 3}, .torque_nmm = {4, 5, 6}};
   take(traffic, wire::ToolStates{{other}});
   take(traffic, wire::Result{.agent_sequence = 1});
   ServerWrench answer;

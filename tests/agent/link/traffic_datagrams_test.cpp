@@ -345,8 +345,7 @@ TEST_F(TrafficDatagrams, OldAnswersAreIgnored) {
 
 TEST_F(TrafficDatagrams, FollowedWrenchNeverGoesBackInTime) {
   switch_to_udp();
-  wire::ToolState other;
-  other.force_n = {1, 0, 0};
+  wire::ToolState other{.force_n = {1, 0, 0}};
   std::vector<std::byte> early;
   wire::append(early, {.epoch = 1, .sequence = 50, .time_us = 1}, wire::ToolStates{{other}});
   other.force_n = {2, 0, 0};

@@ -50,11 +50,8 @@ class UdpCarve : public testing::Test {
   void SetUp() override { start(true); }
   void start(bool with_udp) {
     server.reset();
-    net::ServerOptions options;
-    options.port = 0;
-    options.udp.on = with_udp;
-    options.udp.port = 0;
-    options.http.data_folder = folder_.path();
+    net::ServerOptions options{
+        .port = 0, .http = {.data_folder = folder_.path()}, .udp = {.on = with_udp, .port = 0}};
     auto made = test::value_of(net::Server::create(options));
     server = std::move(made);
     const auto listening = server->listen();

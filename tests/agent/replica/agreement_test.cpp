@@ -30,10 +30,7 @@ TEST(Agreement, ReportsAPersistentDifference) {
 
 /// The n-th answer of a replica, for a sample at 1000 n.
 wire::Result nth(std::uint64_t n, double newtons) {
-  wire::Result answer;
-  answer.agent_time_us = 1000 * n;
-  answer.force_n = {static_cast<float>(newtons), 0, 0};
-  return answer;
+  return wire::Result{.agent_time_us = 1000 * n, .force_n = {static_cast<float>(newtons), 0, 0}};
 }
 
 TEST(Agreement, ComparesAnswersToTheSameSample) {

@@ -21,19 +21,16 @@ inline constexpr int kEvery = 10;
 inline std::uint64_t time_of(int n) { return 200'000'000 + 1000 * static_cast<std::uint64_t>(n); }
 
 inline wire::Intent intent_of(int n, Vec3 tip_mm, bool cuts = true) {
-  wire::Intent intent;
-  intent.participant = kOther;
-  intent.tool_id = 1;
-  intent.time_us = time_of(n) - kBehindUs;
-  intent.agent_time_us = time_of(n);
-  intent.tip_mm = tip_mm;
-  intent.status = cuts ? wire::kStatusCutting : 0;
-  return intent;
+  return wire::Intent{.participant = kOther,
+                      .tool_id = 1,
+                      .time_us = time_of(n) - kBehindUs,
+                      .agent_time_us = time_of(n),
+                      .tip_mm = tip_mm,
+                      .status = cuts ? wire::kStatusCutting : 0};
 }
 
 inline wire::StockPatch all_tiles() {
-  wire::StockPatch all;
-  all.reset = true;
+  wire::StockPatch all{.reset = true};
   for (std::uint32_t y = 0; y < 4; ++y) {
     for (std::uint32_t x = 0; x < 4; ++x) all.tiles.push_back({2, x, y, {}});
   }
@@ -58,12 +55,11 @@ struct Side {
     return force_n;
   }
   Vec3 felt(int n, Vec3 own, bool cuts = true) {
-    wire::MotionSample sample;
-    sample.agent_sequence = static_cast<std::uint64_t>(n + 1);
-    sample.time_us = time_of(n);
-    sample.tip_mm = own;
-    sample.tool_id = 1;
-    sample.buttons = cuts ? wire::kButtonCutting : 0;
+    wire::MotionSample sample{.agent_sequence = static_cast<std::uint64_t>(n + 1),
+                              .time_us = time_of(n),
+                              .tip_mm = own,
+                              .tool_id = 1,
+                              .buttons = cuts ? wire::kButtonCutting : 0};
     const auto answer = replica.move(sample);
     return answer ? Vec3(answer->force_n) : Vec3{};
   }

@@ -44,8 +44,7 @@ double error_beside_another(bool intent, bool twice = false) {
     const Vec3 own = line(n) + Vec3{0, -2, 0}, other = line(n + 50);
     const Vec3 force_n = side.cut(own, other);
     if (intent && n % kEvery == 0 && n >= kLate) {
-      wire::Intents intents;
-      intents.count = 1;
+      wire::Intents intents{.count = 1};
       intents.tools[0] = intent_of(n - kLate, line(n - kLate + 50));
       if (twice) {
         intents.tools[intents.count] = intents.tools[0];
@@ -101,8 +100,7 @@ TEST(ReplicaIntent, StockLeftByTheOtherToolIsFelt) {
       own_cuts.apply(MoveTool{1, {before, kUp}, {own, kUp}, 0.001, false}).value();
     }
     if (n % kEvery == 0 && n >= kLate) {
-      wire::Intents intents;
-      intents.count = 1;
+      wire::Intents intents{.count = 1};
       intents.tools[0] = intent_of(n - kLate, path(n - kLate), n - kLate < 300);
       side.replica.take(intents);
     }
@@ -120,8 +118,7 @@ TEST(ReplicaIntent, StockLeftByTheOtherToolIsFelt) {
 TEST(ReplicaIntent, AbsurdPosesAreIgnored) {
   Side side;
   for (int n = 0; n < 300; ++n) {
-    wire::Intents intents;
-    intents.count = 2;
+    wire::Intents intents{.count = 2};
     intents.tools[0] = intent_of(n, {n % 2 == 0 ? -1e9 : 1e9, 0, 0});
     intents.tools[0].agent_time_us = n % 3 == 0 ? UINT64_MAX : 0;
     intents.tools[1] = intent_of(n, line(n));
@@ -147,8 +144,7 @@ TEST(ReplicaThread, PassesStockAndIntentFramesToTheReplica) {
     wire::append(frame, {.epoch = 1, .sequence = 1, .time_us = 0}, body);
     thread.take_stock(frame);
   };
-  wire::Intents intents;
-  intents.count = 1;
+  wire::Intents intents{.count = 1};
   intents.tools[0] = intent_of(0, line(0));
   pass(all_tiles());
   pass(intents);
@@ -156,11 +152,10 @@ TEST(ReplicaThread, PassesStockAndIntentFramesToTheReplica) {
   thread.start(*BlockSource::read(kWelcome));
   ServerWrench answer;
   for (int n = 0; n < 1'000'000 && !servo.read(answer); ++n) {
-    wire::MotionSample sample;
-    sample.agent_sequence = static_cast<std::uint64_t>(n + 1);
-    sample.time_us = time_of(n);
-    sample.tip_mm = line(n % 100);
-    sample.tool_id = 1;
+    wire::MotionSample sample{.agent_sequence = static_cast<std::uint64_t>(n + 1),
+                              .time_us = time_of(n),
+                              .tip_mm = line(n % 100),
+                              .tool_id = 1};
     servo.push(sample);
     servo.wake();
     std::this_thread::yield();

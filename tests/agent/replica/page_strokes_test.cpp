@@ -67,8 +67,7 @@ class PageStrokes : public SessionUndo, public testing::WithParamInterface<const
   void ada(Vec3 tip, bool cuts = true, ToolId tool = 1) {
     wire::MotionSample sample = next(ada_, tip, cuts);
     sample.tool_id = tool;
-    wire::MotionBatch batch;
-    batch.count = 1;
+    wire::MotionBatch batch{.count = 1};
     batch.samples[0] = sample;
     std::vector<std::byte> frame;
     wire::append(frame, {}, batch);

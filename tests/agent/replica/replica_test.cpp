@@ -93,12 +93,11 @@ class ReplicaTest : public SessionTest, public testing::WithParamInterface<const
     return true;
   }
   void other(Vec3 tip) {
-    wire::MotionSample sample;
-    sample.agent_sequence = ++other_sequence_;
-    sample.time_us = 1000 * other_sequence_;
-    sample.tip_mm = {tip.x, tip.y, tip.z};
-    sample.tool_id = 1;
-    sample.buttons = wire::kButtonCutting;
+    wire::MotionSample sample{.agent_sequence = ++other_sequence_,
+                              .time_us = 1000 * other_sequence_,
+                              .tip_mm = {tip.x, tip.y, tip.z},
+                              .tool_id = 1,
+                              .buttons = wire::kButtonCutting};
     EXPECT_TRUE(session_->move(other_, {&sample, 1}).rejections.empty());
   }
   void expect_equal_near(Vec3 tip) {
@@ -327,8 +326,7 @@ TEST_F(SessionTest, ReplicaRejectsInvalidTiles) {
   Replica replica(*BlockSource::read(welcome_of(session->scene())));
   const std::uint64_t before = SolidSnapshot(session->solid()).hash();
   const std::array<std::byte, 1> garbage{std::byte{3}};
-  wire::StockPatch patch;
-  patch.tiles = {{2, 1, 1, garbage}};
+  wire::StockPatch patch{.tiles = {{2, 1, 1, garbage}}};
   EXPECT_FALSE(replica.take(patch));
   for (const wire::StockTile& tile :
        {wire::StockTile{2, 99, 0, {}}, wire::StockTile{2, 0xFFFFFFFF, 0, {}},

@@ -50,12 +50,11 @@ class ReplicaUndo : public SessionUndo, public testing::WithParamInterface<const
   }
   /// Moves Ada's tool: in the replica now, in the session `delay_ms_` later.
   std::optional<wire::Result> ada(Vec3 tip, bool cuts = true) {
-    wire::MotionSample sample;
-    sample.agent_sequence = ++sequences_[ada_];
-    sample.time_us = 1000 * ++now_ms_;
-    sample.tip_mm = tip;
-    sample.tool_id = 1;
-    sample.buttons = cuts ? wire::kButtonCutting : 0;
+    wire::MotionSample sample{.agent_sequence = ++sequences_[ada_],
+                              .time_us = 1000 * ++now_ms_,
+                              .tip_mm = tip,
+                              .tool_id = 1,
+                              .buttons = cuts ? wire::kButtonCutting : 0};
     const auto answer = replica_->move(sample);
     samples_.push_back(sample);
     while (samples_.size() > delay_ms_) arrive();

@@ -44,13 +44,12 @@ class CirclingDevice final : public HapticDevice {
   }
   DeviceState read(std::uint64_t now_us) noexcept override {
     const double angle = now_us < kStartUs ? 0 : 3e-6 * static_cast<double>(now_us - kStartUs);
-    DeviceState state;
-    state.time_us = now_us;
-    state.tip_mm = {10 * std::cos(angle), 10 * std::sin(angle), -1};
-    state.buttons = wire::kButtonDeadman | (now_us % 500'000 < 400'000 ? wire::kButtonCutting : 0U);
-    state.valid = now_us < 2'900'000;
-    state.phase = DevicePhase::kReady;
-    return state;
+    return DeviceState{
+        .tip_mm = {10 * std::cos(angle), 10 * std::sin(angle), -1},
+        .buttons = wire::kButtonDeadman | (now_us % 500'000 < 400'000 ? wire::kButtonCutting : 0U),
+        .time_us = now_us,
+        .valid = now_us < 2'900'000,
+        .phase = DevicePhase::kReady};
   }
   void write(const Wrench& wrench) noexcept override { newest = wrench; }
   void stop() noexcept override {}

@@ -19,12 +19,7 @@ PastGrip next(const PastGrip& before, Vec3 moved_mm, double dt_s = kDt) {
   return now;
 }
 
-PastGrip start() {
-  PastGrip past;
-  past.time_us = 1'000'000;
-  past.grip.pivot_mm = {0, 0, kPivotMm};
-  return past;
-}
+PastGrip start() { return PastGrip{.time_us = 1'000'000, .grip = {.pivot_mm = {0, 0, kPivotMm}}}; }
 
 /// Answer for a cut along +x with a force of `newtons` against it at the tip.
 ServerWrench cut_of(const PastGrip& then, double newtons) {
@@ -189,9 +184,7 @@ TEST(LocalModel, TorqueNotDueToTheCutCenterIsKept) {
 }
 
 ServerWrench wall_at(const PastGrip& then, double depth_mm, double stiffness = 1) {
-  ServerWrench answer;
-  answer.pose_us = then.time_us;
-  answer.plane_count = 1;
+  ServerWrench answer{.pose_us = then.time_us, .plane_count = 1};
   answer.planes[0] = {.point_mm = {then.grip.pivot_mm.x, 0, 0},
                       .normal = {-1, 0, 0},
                       .depth_mm = static_cast<float>(depth_mm),

@@ -59,10 +59,9 @@ TriangleMesh ball(Vec3 center, double radius_mm, unsigned rings) {
 
 double volume_mm3(const TriangleMesh& mesh) {
   EXPECT_EQ(mesh_stock_fault(mesh), "");
-  SculptureSettings settings;
-  settings.stock = mesh_bounds(mesh);
-  settings.stock_mesh = std::make_shared<const TriangleMesh>(mesh);
-  settings.pitch_mm = 0.25;
+  SculptureSettings settings{.stock = mesh_bounds(mesh),
+                             .stock_mesh = std::make_shared<const TriangleMesh>(mesh),
+                             .pitch_mm = 0.25};
   const auto sculpture = Sculpture::create(settings);
   EXPECT_TRUE(sculpture);
   return sculpture ? sculpture->stock_volume_mm3() : 0;
@@ -219,8 +218,7 @@ TEST(RepairMesh, RejectsMeshesThatBoundNoSolid) {
 }
 
 TEST(PlaceMesh, ScalesThenTurnsThenMoves) {
-  TriangleMesh mesh;
-  mesh.vertices_mm = {{1, 2, 3}};
+  TriangleMesh mesh{.vertices_mm = {{1, 2, 3}}};
   place_mesh(mesh, {.unit_mm = 25.4,
                     .scale = {1, 2, 1},
                     .rotate_deg = {90, 0, -90},

@@ -66,8 +66,7 @@ double greatest_distance(const IndexedMesh& from, const IndexedMesh& to, std::mt
 
 /// Counts with predicates that share no code with the simplification.
 std::size_t count_crossing(const IndexedMesh& mesh) {
-  TileMesh all;
-  all.positions_mm = mesh.positions_mm;
+  TileMesh all{.positions_mm = mesh.positions_mm};
   for (const auto& t : mesh.triangles) all.indices.insert(all.indices.end(), t.begin(), t.end());
   const auto found = test::count_self_intersections({all}, 1);
   return found.crossed + found.zero_area;

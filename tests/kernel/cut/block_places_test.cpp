@@ -7,9 +7,7 @@ namespace kerf::block_places_test {
 namespace {
 
 TEST(BlockPlaces, StockReachesFromTheLowestElementToTheTop) {
-  DexelGrid grid;
-  grid.origin_mm = {0, 0, -2};
-  grid.z_quantum_mm = 0.5;
+  DexelGrid grid{.origin_mm = {0, 0, -2}, .z_quantum_mm = 0.5};
   grid.columns_x = grid.columns_y = kTileSide;
   grid.height_quanta = 100;
   DexelTile tile;

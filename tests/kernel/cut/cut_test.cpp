@@ -10,9 +10,7 @@ namespace {
 const Vec3 kUp{0, 0, 1};
 
 Sculpture block(double pitch_mm = 0.5) {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{0, 0, 0}, {40, 40, 20}};
-  settings.pitch_mm = pitch_mm;
+  SculptureSettings settings{.stock = BoxStock{{0, 0, 0}, {40, 40, 20}}, .pitch_mm = pitch_mm};
   auto s = *Sculpture::create(settings);
   s.apply(DefineTool{1, *make_tool(FlatShape{10, 5})}).value();
   s.apply(DefineTool{2, *make_tool(BallShape{6, 30})}).value();
@@ -240,9 +238,7 @@ TEST(Cut, StoresOnlyTheTilesItChanges) {
 }
 
 TEST(Cut, CylinderStockIsRound) {
-  SculptureSettings settings;
-  settings.stock = CylinderStock{10, -5, 20, 0, 30};
-  settings.pitch_mm = 0.1;
+  SculptureSettings settings{.stock = CylinderStock{10, -5, 20, 0, 30}, .pitch_mm = 0.1};
   auto s = *Sculpture::create(settings);
   EXPECT_NEAR(s.stock_volume_mm3() / (M_PI * 400 * 30), 1, 1e-3);
   EXPECT_NEAR(s.snapshot().volume_mm3(), s.stock_volume_mm3(), 1e-6);

@@ -11,11 +11,8 @@ namespace {
 const Vec3 kUp{0, 0, 1};
 
 Sculpture block(const StockShape& stock, Rays rays, const ToolShape& shape) {
-  SculptureSettings settings;
-  settings.stock = stock;
-  settings.rays = rays;
-  settings.pitch_mm = 0.25;
-  settings.force.pivot_mm = 40;
+  SculptureSettings settings{
+      .stock = stock, .rays = rays, .pitch_mm = 0.25, .force = {.pivot_mm = 40}};
   auto s = *Sculpture::create(settings);
   s.apply(DefineTool{1, *make_tool(shape)}).value();
   return s;

@@ -71,10 +71,8 @@ TriangleMesh random_bodies(unsigned seed) {
 }
 
 Sculpture sculpture_of(const TriangleMesh& mesh, double pitch_mm, Rays rays = Rays::kDexel) {
-  SculptureSettings settings;
-  settings.stock_mesh = std::make_shared<const TriangleMesh>(mesh);
-  settings.pitch_mm = pitch_mm;
-  settings.rays = rays;
+  SculptureSettings settings{
+      .stock_mesh = std::make_shared<const TriangleMesh>(mesh), .rays = rays, .pitch_mm = pitch_mm};
   auto made = Sculpture::create(settings);
   EXPECT_TRUE(made) << made.error().reason;
   return *std::move(made);
@@ -164,9 +162,7 @@ TEST(MeshStock, AllFieldsRepresentTheSameSolid) {
 
 TEST(MeshStock, CutsLikeABox) {
   Sculpture mesh = sculpture_of(box_mesh({0, 0, 0}, {20, 20, 10}), 0.25);
-  SculptureSettings settings;
-  settings.stock = BoxStock{{0, 0, 0}, {20, 20, 10}};
-  settings.pitch_mm = 0.25;
+  SculptureSettings settings{.stock = BoxStock{{0, 0, 0}, {20, 20, 10}}, .pitch_mm = 0.25};
   Sculpture box = *Sculpture::create(settings);
   for (Sculpture* s : {&mesh, &box}) {
     ASSERT_TRUE(s->apply(DefineTool{1, make_tool(BallShape{6, 40}).value()}));
@@ -202,8 +198,7 @@ TEST(MeshStock, NormalsAreThoseOfTheTriangles) {
 
 TEST(MeshStock, OpenMeshIsRejectedWithCountsAndPosition) {
   const auto rejection = [](const TriangleMesh& mesh) {
-    SculptureSettings settings;
-    settings.stock_mesh = std::make_shared<const TriangleMesh>(mesh);
+    SculptureSettings settings{.stock_mesh = std::make_shared<const TriangleMesh>(mesh)};
     const auto made = Sculpture::create(settings);
     EXPECT_FALSE(made);
     if (made) return std::string();

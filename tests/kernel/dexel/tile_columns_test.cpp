@@ -13,11 +13,10 @@ namespace kerf::tile_columns_test {
 namespace {
 
 Sculpture block(Rays rays) {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{0, 0, 0}, {30, 22, 12}};
-  settings.pitch_mm = 0.4;
-  settings.rays = rays;
-  settings.keep_normals = false;
+  SculptureSettings settings{.stock = BoxStock{{0, 0, 0}, {30, 22, 12}},
+                             .rays = rays,
+                             .pitch_mm = 0.4,
+                             .keep_normals = false};
   auto s = *Sculpture::create(settings);
   s.apply(DefineTool{1, *make_tool(BallShape{5, 40})}).value();
   return s;

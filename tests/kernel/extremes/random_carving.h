@@ -43,12 +43,10 @@ struct TrueCarving {
       : size_mm(size), sculpture(*Sculpture::create(settings(size, pitch_mm, rays))) {}
 
   static SculptureSettings settings(Vec3 size_mm, double pitch_mm, Rays rays) {
-    SculptureSettings s;
-    s.stock = BoxStock{{0, 0, 0}, size_mm};
-    s.pitch_mm = pitch_mm;
-    s.tolerance_mm = 1e-3 * pitch_mm;
-    s.rays = rays;
-    return s;
+    return SculptureSettings{.stock = BoxStock{{0, 0, 0}, size_mm},
+                             .rays = rays,
+                             .pitch_mm = pitch_mm,
+                             .tolerance_mm = 1e-3 * pitch_mm};
   }
 
   /// Moves a tool. A motion that the kernel rejects, one that turns beyond 170 degrees, carves

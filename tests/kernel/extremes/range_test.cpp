@@ -44,14 +44,13 @@ TEST(Range, PitchesFromAMicrometreToTenMillimetres) {
     const double size = pitch * 150;  // A tool of 30 pitches in a block of 150.
     for (const NamedTool& t : every_tool(3 * pitch)) {
       for (const double turn : {0.0, 0.2}) {
-        Scene s;
-        s.block_width = size;
-        s.block_height = size / 2;
-        s.pitch = pitch;
-        s.depth = 12 * pitch;
-        s.travel = 15 * pitch;
-        s.turn = turn;
-        s.tolerance = 2e-4 * pitch + 1e-6;
+        Scene s{.block_width = size,
+                .block_height = size / 2,
+                .pitch = pitch,
+                .tolerance = 2e-4 * pitch + 1e-6,
+                .depth = 12 * pitch,
+                .travel = 15 * pitch,
+                .turn = turn};
         judge(s, t.tool, with(t, "pitch", pitch));
       }
     }
@@ -83,14 +82,13 @@ TEST(Range, ToolsFromAHundredthOfAMillimetreToHalfAMetre) {
   for (const double diameter : {0.01, 0.1, 1.0, 100.0, 500.0}) {
     for (const NamedTool& t : every_tool(diameter / 10)) {
       for (const double turn : {0.0, 0.1, 1.0}) {
-        Scene s;
-        s.block_width = 4 * diameter;
-        s.block_height = 2 * diameter;
-        s.pitch = diameter / 15;
-        s.depth = 0.4 * diameter;
-        s.travel = 0.3 * diameter;
-        s.turn = turn;
-        s.tolerance = 1e-4 * diameter + 1e-6;
+        Scene s{.block_width = 4 * diameter,
+                .block_height = 2 * diameter,
+                .pitch = diameter / 15,
+                .tolerance = 1e-4 * diameter + 1e-6,
+                .depth = 0.4 * diameter,
+                .travel = 0.3 * diameter,
+                .turn = turn};
         judge(s, t.tool, with(t, "diameter", diameter));
       }
     }
@@ -99,13 +97,12 @@ TEST(Range, ToolsFromAHundredthOfAMillimetreToHalfAMetre) {
 
 TEST(Range, TinyToolsInLargeBlocksAndLargeToolsInTinyBlocks) {
   for (const NamedTool& t : every_tool(1e-3)) {
-    Scene s;
-    s.block_width = 0.1;
-    s.block_height = 1000;
-    s.pitch = 0.0013;
-    s.depth = 0.004;
-    s.travel = 0.02;
-    s.tolerance = 1e-6;
+    Scene s{.block_width = 0.1,
+            .block_height = 1000,
+            .pitch = 0.0013,
+            .tolerance = 1e-6,
+            .depth = 0.004,
+            .travel = 0.02};
     judge(s, t.tool, t.name + " of 0.01 mm");
   }
   for (const NamedTool& t : every_tool(50)) {
@@ -127,10 +124,7 @@ TEST(Range, TravelsFromANanometerToTenMeters) {
   for (const NamedTool& t : every_tool()) {
     for (const double travel : {1e-9, 1e-6, 1e-3, 30.0, 1e4}) {
       for (const double turn : {0.0, 1e-6, 0.4}) {
-        Scene s;
-        s.travel = travel;
-        s.turn = turn;
-        s.tolerance = 0.005;
+        Scene s{.tolerance = 0.005, .travel = travel, .turn = turn};
         judge(s, t.tool, with(t, "travel", travel) + (turn > 0 ? " turning" : ""));
       }
     }
@@ -141,10 +135,7 @@ TEST(Range, TurnsFromAPicoradianTo170Degrees) {
   for (const NamedTool& t : every_tool()) {
     for (const double turn : {1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 2.0, 169.99 * kPi / 180}) {
       for (const double travel : {0.0, 2.0}) {
-        Scene s;
-        s.tolerance = 0.01;
-        s.travel = travel;
-        s.turn = turn;
+        Scene s{.tolerance = 0.01, .travel = travel, .turn = turn};
         judge(s, t.tool, with(t, "turn", turn), 15);
       }
     }
@@ -158,11 +149,7 @@ TEST(Range, ConesFromAHundredthOfADegreeToNearlyARightAngle) {
     const double length = std::min(40.0, 6 / std::tan(half_angle * kPi / 180));
     for (const double direction : {0.0, 1.0, -1.0}) {
       for (const double turn : {0.0, 0.15}) {
-        Scene s;
-        s.depth = std::min(4.0, length);
-        s.travel = 3 * direction;
-        s.turn = turn;
-        s.lean = 0.1;
+        Scene s{.depth = std::min(4.0, length), .travel = 3 * direction, .turn = turn, .lean = 0.1};
         judge(s, *make_tool(TaperShape{2, half_angle, length}),
               "half angle " + std::to_string(half_angle) + " turn " + std::to_string(turn));
       }

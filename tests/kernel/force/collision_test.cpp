@@ -83,9 +83,7 @@ TEST(Collision, BarrelIsPushedAtItsGreatestRadius) {
 }
 
 TEST(Collision, ShankAndHolderCollide) {
-  ToolBody body;
-  body.shank = Shank{10, 20};
-  body.holder = std::vector<HolderSection>{{30, 30, 20}};
+  ToolBody body{.shank = Shank{10, 20}, .holder = std::vector<HolderSection>{{30, 30, 20}}};
   const Tool tool = *make_tool(FlatShape{4, 10}, body);
   const Obstacle post{CylinderObstacle{{8, 0, -50}, {8, 0, 25}, 4}, 2};  // Ends below the holder.
   const Wrench w = Obstacles({post}).push(tool, {{0, 0, 0}, kUp}, 60);

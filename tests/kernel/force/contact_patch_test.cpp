@@ -37,8 +37,7 @@ TEST(PatchSum, HalfAxesAreTwoStandardDeviationsWithinThePlane) {
     sum.add(center + u * (3 * side), 2);
     sum.add(center + v * side + kUp * (7 * side), 2);
   }
-  ContactPlane plane;
-  plane.normal = kUp;
+  ContactPlane plane{.normal = kUp};
   sum.place(plane);
   EXPECT_NEAR(length(plane.point_mm - center), 0, 1e-9);
   EXPECT_NEAR(std::abs(dot(plane.half_a_mm, u)), 2 * 3 / std::sqrt(2), 1e-9);

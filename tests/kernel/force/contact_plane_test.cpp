@@ -11,13 +11,11 @@ const Vec3 kUp{0, 0, 1};
 
 /// Returns a block with a ball next to it, and tool 1: a cutter of 2 mm with a shank of 10 mm.
 Sculpture block_and_ball() {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{0, -20, -20}, {20, 20, 20}};
-  settings.pitch_mm = 0.5;
-  settings.obstacles = {{SphereObstacle{{-12, 0, 0}, 6}, 2}};
+  SculptureSettings settings{.stock = BoxStock{{0, -20, -20}, {20, 20, 20}},
+                             .pitch_mm = 0.5,
+                             .obstacles = {{SphereObstacle{{-12, 0, 0}, 6}, 2}}};
   auto s = *Sculpture::create(settings);
-  ToolBody body;
-  body.shank = Shank{10, 100};
+  ToolBody body{.shank = Shank{10, 100}};
   s.apply(DefineTool{1, *make_tool(FlatShape{2, 10}, body)}).value();
   return s;
 }

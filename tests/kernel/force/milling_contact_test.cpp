@@ -12,26 +12,19 @@ namespace {
 const Vec3 kUp{0, 0, 1};
 
 Sculpture block(const MillingSettings& milling, Rays rays) {
-  SculptureSettings s;
-  s.stock = BoxStock{{-12, -12, -4}, {12, 12, 0}};
-  s.rays = rays;
-  s.pitch_mm = 0.1;
-  s.tolerance_mm = 0.001;
-  s.keep_normals = false;
-  s.force.law = ForceLaw::kMechanistic;
-  s.force.milling = milling;
+  SculptureSettings s{.stock = BoxStock{{-12, -12, -4}, {12, 12, 0}},
+                      .rays = rays,
+                      .pitch_mm = 0.1,
+                      .tolerance_mm = 0.001,
+                      .keep_normals = false,
+                      .force = {.law = ForceLaw::kMechanistic, .milling = milling}};
   Sculpture result = *Sculpture::create(s);
   result.apply(DefineTool{1, *make_tool(FlatShape{6, 30})}).value();
   return result;
 }
 
 /// Edge forces only, as a mean over the spindle's turn, so they do not depend on the step.
-MillingSettings edges() {
-  MillingSettings m;
-  m.ripple_hz = 0;
-  m.edge_n_per_mm = {13, 10, 2.8};
-  return m;
-}
+MillingSettings edges() { return MillingSettings{.ripple_hz = 0, .edge_n_per_mm = {13, 10, 2.8}}; }
 
 /// Returns the mean force of a slot along +X.
 Vec3 slot_force(Rays rays, double depth_mm, double step_mm) {
@@ -113,11 +106,8 @@ TEST(MillingContact, CostsOfALongMotionAreBounded) {
 
 TEST(MillingContact, SpindlePhaseSurvivesAChangeOfReferenceDirection) {
   // The perpendicular of an axis is computed across its smallest component, which changes here.
-  MillingSettings m;
-  m.spindle_rpm = 6000;
-  m.ripple_hz = 250;
-  m.helix_deg = 0;
-  m.cut_n_per_mm2 = {800, 300, 200};
+  MillingSettings m{
+      .spindle_rpm = 6000, .helix_deg = 0, .ripple_hz = 250, .cut_n_per_mm2 = {800, 300, 200}};
   const auto forces = [&](double tilt) {
     Sculpture b = block(m, Rays::kTriDexel);
     const auto at = [&](int i) {

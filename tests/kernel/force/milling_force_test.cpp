@@ -19,25 +19,20 @@ const Vec3 kUp{0, 0, 1};
 
 /// Coefficients of different sizes in all directions, mean forces only.
 MillingSettings milling() {
-  MillingSettings m;
-  m.spindle_rpm = 12000;
-  m.teeth = 2;
-  m.ripple_hz = 0;
-  m.cut_n_per_mm2 = {800, 300, 200};
-  m.edge_n_per_mm = {20, 30, 5};
-  return m;
+  return MillingSettings{.spindle_rpm = 12000,
+                         .teeth = 2,
+                         .ripple_hz = 0,
+                         .cut_n_per_mm2 = {800, 300, 200},
+                         .edge_n_per_mm = {20, 30, 5}};
 }
 
 SculptureSettings settings_of(const MillingSettings& m, Rays rays) {
-  SculptureSettings s;
-  s.stock = BoxStock{{-12, -12, -8}, {12, 12, 0}};
-  s.rays = rays;
-  s.pitch_mm = kPitch;
-  s.tolerance_mm = 0.001;
-  s.keep_normals = false;
-  s.force.law = ForceLaw::kMechanistic;
-  s.force.milling = m;
-  return s;
+  return SculptureSettings{.stock = BoxStock{{-12, -12, -8}, {12, 12, 0}},
+                           .rays = rays,
+                           .pitch_mm = kPitch,
+                           .tolerance_mm = 0.001,
+                           .keep_normals = false,
+                           .force = {.law = ForceLaw::kMechanistic, .milling = m}};
 }
 
 /// A cut along +X with the axis at `y`, in ticks, the last of which are compared.

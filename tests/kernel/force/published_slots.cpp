@@ -26,14 +26,12 @@ std::vector<SlotMean> at_feeds(const std::vector<Vec3>& forces_n) {
 
 /// Returns the mean force on the tool in a slot along +X.
 Vec3 computed(const PublishedSlots& slots, const SlotMean& mean, const MillingSettings& milling) {
-  SculptureSettings s;
-  s.stock = BoxStock{{-12, -14, -6}, {28, 14, 0}};
-  s.rays = Rays::kTriDexel;
-  s.pitch_mm = slots.pitch_mm;
-  s.tolerance_mm = 0.001;
-  s.keep_normals = false;
-  s.force.law = ForceLaw::kMechanistic;
-  s.force.milling = milling;
+  SculptureSettings s{.stock = BoxStock{{-12, -14, -6}, {28, 14, 0}},
+                      .rays = Rays::kTriDexel,
+                      .pitch_mm = slots.pitch_mm,
+                      .tolerance_mm = 0.001,
+                      .keep_normals = false,
+                      .force = {.law = ForceLaw::kMechanistic, .milling = milling}};
   Sculpture block = *Sculpture::create(s);
   block.apply(DefineTool{1, slots.tool}).value();
   constexpr double kStepMm = 0.1;
@@ -51,10 +49,7 @@ Vec3 computed(const PublishedSlots& slots, const SlotMean& mean, const MillingSe
 
 MillingSettings fitted(const PublishedSlots& slots, const std::vector<SlotMean>& means) {
   const SlotFit fit = SlotFitter(kTeeth, slots.corner_mm).fit(means);
-  MillingSettings milling;
-  milling.cut_n_per_mm2 = fit.cut_n_per_mm2;
-  milling.chip_exponents = fit.exponents;
-  return milling;
+  return MillingSettings{.cut_n_per_mm2 = fit.cut_n_per_mm2, .chip_exponents = fit.exponents};
 }
 
 }  // namespace
@@ -105,10 +100,7 @@ PublishedSlots published_flat() {
 }
 
 MillingSettings coefficients_of_another_source() {
-  MillingSettings milling;
-  milling.cut_n_per_mm2 = {796.1, 168.8, 222};
-  milling.edge_n_per_mm = {27.7, 30.8, 1.4};
-  return milling;
+  return MillingSettings{.cut_n_per_mm2 = {796.1, 168.8, 222}, .edge_n_per_mm = {27.7, 30.8, 1.4}};
 }
 
 MillingSettings fitted_to_all(const PublishedSlots& slots) { return fitted(slots, slots.means); }

@@ -11,15 +11,12 @@ constexpr int kTeeth = 2;
 const Vec3 kUp{0, 0, 1};
 
 SculptureSettings settings_of(const MillingSettings& milling) {
-  SculptureSettings s;
-  s.stock = BoxStock{{-1, -1, -0.5}, {1, 1, 0}};
-  s.rays = Rays::kTriDexel;
-  s.pitch_mm = 0.02;
-  s.tolerance_mm = 0.0005;
-  s.keep_normals = false;
-  s.force.law = ForceLaw::kMechanistic;
-  s.force.milling = milling;
-  return s;
+  return SculptureSettings{.stock = BoxStock{{-1, -1, -0.5}, {1, 1, 0}},
+                           .rays = Rays::kTriDexel,
+                           .pitch_mm = 0.02,
+                           .tolerance_mm = 0.0005,
+                           .keep_normals = false,
+                           .force = {.law = ForceLaw::kMechanistic, .milling = milling}};
 }
 
 /// Returns the mean force on a flat mill of 0.5 mm in a slot along +X.
@@ -87,10 +84,8 @@ MillingSettings fitted_to_table() {
   const double scale = 1 / (kTeeth * std::sqrt(1 + 0.3 * 0.3));
   const double cut = 4 * scale * (c * ee - e * ec) / det;
   const double edge = M_PI * scale * (e * cc - c * ec) / det;
-  MillingSettings milling;
-  milling.cut_n_per_mm2 = {cut, 0.3 * cut, 0};
-  milling.edge_n_per_mm = {edge, 0.3 * edge, 0};
-  return milling;
+  return MillingSettings{.cut_n_per_mm2 = {cut, 0.3 * cut, 0},
+                         .edge_n_per_mm = {edge, 0.3 * edge, 0}};
 }
 
 TEST(SmallFeed, KeepsThePublishedShareOfTheForce) {
@@ -112,9 +107,7 @@ TEST(SmallFeed, KeepsThePublishedShareOfTheForce) {
 
 /// The mean force in a slot, tangential and radial, per mm of depth.
 TEST(SmallFeed, MatchesClosedFormsFrom100Nanometers) {
-  MillingSettings linear;
-  linear.cut_n_per_mm2 = {4000, 1500, 0};
-  linear.edge_n_per_mm = {12, 8, 0};
+  MillingSettings linear{.cut_n_per_mm2 = {4000, 1500, 0}, .edge_n_per_mm = {12, 8, 0}};
   for (const double feed_um : {0.1, 0.25, 0.4, 1.0, 3.0}) {
     const Vec3 force = slot_force_n(linear, feed_um / 1000, 0.2) * (M_PI / (kTeeth / 2.0) / 0.2);
     const double half = feed_um / 1000 * M_PI / 2;  // the integral of f sin² over half a turn
@@ -122,9 +115,7 @@ TEST(SmallFeed, MatchesClosedFormsFrom100Nanometers) {
     EXPECT_NEAR(force.y, across, 0.03 * across) << feed_um;
     EXPECT_NEAR(force.x, -back, 0.03 * back) << feed_um;
   }
-  MillingSettings power;
-  power.cut_n_per_mm2 = {300, 100, 0};
-  power.chip_exponents = in_all_directions(0.75);
+  MillingSettings power{.cut_n_per_mm2 = {300, 100, 0}, .chip_exponents = in_all_directions(0.75)};
   const double of_3_um = length(slot_force_n(power, 0.003, 0.2));
   for (const double feed_um : {0.1, 0.25, 0.4, 1.0}) {
     const double share = std::pow(feed_um / 3, 0.25);
@@ -134,10 +125,9 @@ TEST(SmallFeed, MatchesClosedFormsFrom100Nanometers) {
 }
 
 TEST(SmallFeed, FadesContinuouslyTowardsRest) {
-  MillingSettings milling;
-  milling.cut_n_per_mm2 = {300, 100, 50};
-  milling.edge_n_per_mm = {12, 8, 3};
-  milling.chip_exponents = in_all_directions(0.75);
+  MillingSettings milling{.cut_n_per_mm2 = {300, 100, 50},
+                          .edge_n_per_mm = {12, 8, 3},
+                          .chip_exponents = in_all_directions(0.75)};
   double before = length(slot_force_n(milling, 1e-4, 0.2));
   for (const double feed_mm : {5e-5, 2e-5, 5e-6, 1e-6, 1e-7, 1e-8}) {
     const double force = length(slot_force_n(milling, feed_mm, 0.2));

@@ -20,14 +20,12 @@ std::vector<DexelField> fields(std::vector<RayAxis> axes, const StockShape& stoc
 }
 
 Tool tool_with_shank(double diameter_mm) {
-  ToolBody body;
-  body.shank = Shank{diameter_mm, 100};
+  ToolBody body{.shank = Shank{diameter_mm, 100}};
   return *make_tool(FlatShape{2, 10}, body);
 }
 
 StockContact contact(const Tool& tool, const ToolPose& pose, const std::vector<DexelField>& in) {
-  ForceSettings settings;
-  settings.contact_stiffness_n_per_mm = 3;
+  ForceSettings settings{.contact_stiffness_n_per_mm = 3};
   return stock_contact(tool, pose, in, settings, 0);
 }
 
@@ -62,8 +60,7 @@ TEST(StockContact, HorizontalShankOnTheTopIsLifted) {
 }
 
 TEST(StockContact, HolderFaceOnTheBlockIsLiftedWithoutTorque) {
-  ToolBody body;
-  body.holder = std::vector<HolderSection>{{16, 16, 30}};
+  ToolBody body{.holder = std::vector<HolderSection>{{16, 16, 30}}};
   const Tool tool = *make_tool(FlatShape{2, 10}, body);
   const StockContact c = contact(tool, {{10, 0, 10 - 0.3}, kUp}, fields({RayAxis::kZ}));
   EXPECT_NEAR(c.depth_mm, 0.3, 1e-6);
@@ -158,10 +155,8 @@ TEST(StockContact, MatchesBruteForceOverAllColumns) {
 }
 
 TEST(StockContact, IsReportedByAMotionAndAddedToItsForce) {
-  SculptureSettings settings;
-  settings.stock = kBlock;
-  settings.pitch_mm = kPitch;
-  settings.force.contact_stiffness_n_per_mm = 3;
+  SculptureSettings settings{
+      .stock = kBlock, .pitch_mm = kPitch, .force = {.contact_stiffness_n_per_mm = 3}};
   auto s = *Sculpture::create(settings);
   s.apply(DefineTool{1, tool_with_shank(10)}).value();
   // A cutter of 2 mm drills 15 mm deep; its shank starts at a height of 10 mm.
@@ -179,9 +174,7 @@ TEST(StockContact, IsReportedByAMotionAndAddedToItsForce) {
 }
 
 TEST(StockContact, IsFoundAlongTheMotion) {
-  SculptureSettings settings;
-  settings.stock = kBlock;
-  settings.pitch_mm = kPitch;
+  SculptureSettings settings{.stock = kBlock, .pitch_mm = kPitch};
   auto s = *Sculpture::create(settings);
   s.apply(DefineTool{1, tool_with_shank(10)}).value();
   // The shank's lower end passes 2 mm below the block's top, from one side to the other.

@@ -26,10 +26,8 @@ TEST(ExtremeBlock, LowerThanHalfAPitchKeepsItsVolume) {
   for (const double height : {0.5, 0.4999999, 0.3, 0.25, 0.01, 1e-4}) {
     for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
       SCOPED_TRACE(std::to_string(height) + " " + to_string(rays));
-      SculptureSettings settings;
-      settings.pitch_mm = 2;
-      settings.rays = rays;
-      settings.stock = BoxStock{{-7, 3, 5}, {73, 33, 5 + 2 * height}};
+      SculptureSettings settings{
+          .stock = BoxStock{{-7, 3, 5}, {73, 33, 5 + 2 * height}}, .rays = rays, .pitch_mm = 2};
       Sculpture sculpture = *Sculpture::create(settings);
       const MeshReport report = test::check_mesh(test::mesh_all(sculpture.solid()));
       expect_closed(report);
@@ -39,9 +37,7 @@ TEST(ExtremeBlock, LowerThanHalfAPitchKeepsItsVolume) {
 }
 
 TEST(ExtremeBlock, LowCylinderKeepsItsVolume) {
-  SculptureSettings settings;
-  settings.pitch_mm = 1;
-  settings.stock = CylinderStock{3, -2, 40, 0, 0.2};
+  SculptureSettings settings{.stock = CylinderStock{3, -2, 40, 0, 0.2}, .pitch_mm = 1};
   Sculpture sculpture = *Sculpture::create(settings);
   const MeshReport report = test::check_mesh(test::mesh_all(sculpture.solid()));
   expect_closed(report);

@@ -36,8 +36,7 @@ class OriginalSurface : public testing::TestWithParam<Rays> {
     return block;
   }
   Sculpture create_of(const StockShape& stock) {
-    SculptureSettings settings;
-    settings.stock = stock;
+    SculptureSettings settings{.stock = stock};
     return create(settings);
   }
   /// Cuts a slot with the ball, whose center moves between two points.
@@ -162,9 +161,7 @@ SculptureSettings octahedron_with_a_cavity() {
     mesh.triangles.push_back({6 + a, 6 + b, 6 + c});
     mesh.triangles.push_back({6 + a, 6 + c, 6 + d});
   }
-  SculptureSettings settings;
-  settings.stock_mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
-  return settings;
+  return SculptureSettings{.stock_mesh = std::make_shared<const TriangleMesh>(std::move(mesh))};
 }
 
 TEST_P(OriginalSurface, MeshWithACavityIsDistinctFromCuts) {

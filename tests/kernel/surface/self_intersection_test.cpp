@@ -88,10 +88,8 @@ struct TwoSlots {
 
 void expect_sound(const TwoSlots& cut) {
   SCOPED_TRACE(to_string(cut.rays));
-  SculptureSettings settings;
-  settings.stock = BoxStock{{0, 0, 0}, {6, 6, 4}};
-  settings.pitch_mm = 1;
-  settings.rays = cut.rays;
+  SculptureSettings settings{
+      .stock = BoxStock{{0, 0, 0}, {6, 6, 4}}, .rays = cut.rays, .pitch_mm = 1};
   auto sculpture = *Sculpture::create(settings);
   sculpture.apply(DefineTool{1, *make_tool(FlatShape{1.5, 9})}).value();
   for (const auto& [axis, from, to] : cut.slots) {
@@ -143,10 +141,8 @@ TEST(SelfIntersection, StandardJobsHaveNone) {
 TEST(SelfIntersection, ExportsHaveNone) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     for (unsigned seed = 1; seed <= 2; ++seed) {
-      SculptureSettings settings;
-      settings.stock = BoxStock{{0, 0, 0}, {90, 70, 12}};
-      settings.pitch_mm = 0.5;
-      settings.rays = rays;
+      SculptureSettings settings{
+          .stock = BoxStock{{0, 0, 0}, {90, 70, 12}}, .rays = rays, .pitch_mm = 0.5};
       auto sculpture = *Sculpture::create(settings);
       test::RandomCarver carver(sculpture, {-2, 10, 5}, {12, 30, 13}, seed);
       for (int n = 0; n < 4; ++n) carver.cut();

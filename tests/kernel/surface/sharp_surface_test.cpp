@@ -7,10 +7,7 @@ namespace kerf::sharp_surface_test {
 namespace {
 
 Sculpture sculpture_of(const StockShape& stock, double pitch_mm, Rays rays) {
-  SculptureSettings s;
-  s.stock = stock;
-  s.pitch_mm = pitch_mm;
-  s.rays = rays;
+  SculptureSettings s{.stock = stock, .rays = rays, .pitch_mm = pitch_mm};
   return *Sculpture::create(s);
 }
 

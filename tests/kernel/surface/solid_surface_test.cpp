@@ -45,11 +45,7 @@ std::size_t expect_same_solid(const SolidSnapshot& solid) {
 }
 
 SculptureSettings settings_of(StockShape stock, double pitch_mm, Rays rays) {
-  SculptureSettings s;
-  s.stock = stock;
-  s.pitch_mm = pitch_mm;
-  s.rays = rays;
-  return s;
+  return SculptureSettings{.stock = stock, .rays = rays, .pitch_mm = pitch_mm};
 }
 
 TEST(SolidSurface, UntouchedBoxHasTwelveTriangles) {

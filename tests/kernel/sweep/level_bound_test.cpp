@@ -111,11 +111,8 @@ TEST(LevelBound, BoundsEveryPointOfTheMovingSlice) {
 }
 
 SculptureSettings settings_of(Rays rays) {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{-9, -9, -6}, {9, 9, 0}};
-  settings.pitch_mm = 0.2;
-  settings.rays = rays;
-  return settings;
+  return SculptureSettings{
+      .stock = BoxStock{{-9, -9, -6}, {9, 9, 0}}, .rays = rays, .pitch_mm = 0.2};
 }
 
 const ToolShape kShapes[] = {

@@ -22,9 +22,7 @@ class Random {
 
 /// 32 x 32 columns around the Z axis, from −6 mm to 0.
 DexelGrid grid_of(double pitch_mm) {
-  DexelGrid grid;
-  grid.origin_mm = {-16 * pitch_mm, -16 * pitch_mm, -6};
-  grid.pitch_mm = pitch_mm;
+  DexelGrid grid{.origin_mm = {-16 * pitch_mm, -16 * pitch_mm, -6}, .pitch_mm = pitch_mm};
   grid.columns_x = grid.columns_y = 32;
   grid.height_quanta = 1 << 29;
   grid.z_quantum_mm = 6.0 / (1 << 29);

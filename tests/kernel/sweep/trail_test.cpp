@@ -153,11 +153,10 @@ struct Chain {
 /// tool, where each start is known to be cut, and the same motions by two tools of equal shape in
 /// turn, where it is not.
 double greatest_difference(const ToolShape& shape, const Chain& chain, std::uint64_t seed) {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{-12, -12, -8}, {12, 12, 0}};
-  settings.pitch_mm = 0.4;
-  settings.tolerance_mm = kToleranceMm;
-  settings.rays = Rays::kTriDexel;
+  SculptureSettings settings{.stock = BoxStock{{-12, -12, -8}, {12, 12, 0}},
+                             .rays = Rays::kTriDexel,
+                             .pitch_mm = 0.4,
+                             .tolerance_mm = kToleranceMm};
   auto one = *Sculpture::create(settings), two = *Sculpture::create(settings);
   for (const ToolId id : {1u, 2u}) {
     one.apply(DefineTool{id, *make_tool(shape)}).value();

@@ -82,10 +82,9 @@ TEST_P(ShapeMotion, StaysWithinToleranceForAnyMotion) {
     return std::uniform_real_distribution<double>(a, b)(random);
   };
   for (int n = 0; n < 12; ++n) {
-    SculptureSettings settings;
-    settings.stock = BoxStock{{-12, -12, -kDepth}, {12, 12, 0}};
-    settings.pitch_mm = 1.3;
-    settings.tolerance_mm = n % 2 == 0 ? 0.01 : 0.001;
+    SculptureSettings settings{.stock = BoxStock{{-12, -12, -kDepth}, {12, 12, 0}},
+                               .pitch_mm = 1.3,
+                               .tolerance_mm = n % 2 == 0 ? 0.01 : 0.001};
     auto sculpture = *Sculpture::create(settings);
     sculpture.apply(DefineTool{1, tool}).value();
     const Vec3 axis = normalized({in(-0.7, 0.7), in(-0.7, 0.7), 1});

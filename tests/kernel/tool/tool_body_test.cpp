@@ -30,8 +30,7 @@ TEST(ToolBody, HolderMayBeAProfile) {
 }
 
 TEST(ToolBody, SurvivesMakingAToolFromItsPieces) {
-  ToolBody body;
-  body.shank = Shank{8, 30};
+  ToolBody body{.shank = Shank{8, 30}};
   for (const ToolShape& shape :
        {ToolShape(BullNoseShape{10, 1, 25}), ToolShape(AptShape{10, 1, 4, 1, 0, 0, 50}),
         ToolShape(ProfileShape{{ProfilePoint{3, 0}, ProfilePoint{3, 9}}})}) {

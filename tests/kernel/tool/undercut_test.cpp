@@ -9,9 +9,7 @@ const Vec3 kUp{0, 0, 1};
 
 /// A block that is large enough for a slot along x; its rays run along Z.
 Sculpture block() {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{0, -20, -20}, {60, 20, 0}};
-  settings.pitch_mm = 0.1;
+  SculptureSettings settings{.stock = BoxStock{{0, -20, -20}, {60, 20, 0}}, .pitch_mm = 0.1};
   return *Sculpture::create(settings);
 }
 

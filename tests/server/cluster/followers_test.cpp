@@ -19,8 +19,7 @@ class FollowersTest : public test::NatsTest {
 /// Bug: a viewer that arrived just after the leases were listed got a `bye`, as if the session had
 /// ended.
 TEST_F(FollowersTest, StaleListDoesNotEndNewlyWantedSessions) {
-  RegistryOptions options;
-  options.data_folder = folder_.path();
+  RegistryOptions options{.data_folder = folder_.path()};
   SessionRegistry registry(options, [this](const std::string&) { return executor_; }, *executor_);
   Followers followers(*nats_, registry, "b", Follow::kViewed);
   const std::int64_t known_ns = Clock::boot_ns();

@@ -12,12 +12,8 @@ constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kTakenNs = LeaseTime{}.taken_ns();
 
 Lease held_by(const std::string& node, std::uint32_t epoch = 1) {
-  Lease lease;
-  lease.node = node;
-  lease.run = node + "'s run";
-  lease.address = "http://" + node + ":8080";
-  lease.epoch = epoch;
-  return lease;
+  return Lease{
+      .node = node, .run = node + "'s run", .address = "http://" + node + ":8080", .epoch = epoch};
 }
 
 class LeaseTableTest : public testing::Test {

@@ -26,8 +26,7 @@ class TakeoverTest : public test::NatsTest {
   }
   static void append(JournalWriter& writer, int count) {
     for (int n = 0; n < count; ++n) {
-      MoveTool move;
-      move.to.tip_mm = {double(n), 0, 0};
+      MoveTool move{.to = {.tip_mm = {double(n), 0, 0}}};
       ASSERT_TRUE(writer.append(1, move));
     }
     ASSERT_TRUE(writer.flush());

@@ -129,11 +129,8 @@ class RecordedJob {
 
 /// A box of 40 x 30 x 10 mm.
 inline SculptureSettings job_settings(Rays rays, double pitch_mm) {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{0, 0, -10}, {40, 30, 0}};
-  settings.pitch_mm = pitch_mm;
-  settings.rays = rays;
-  return settings;
+  return SculptureSettings{
+      .stock = BoxStock{{0, 0, -10}, {40, 30, 0}}, .rays = rays, .pitch_mm = pitch_mm};
 }
 
 }  // namespace kerf::test

@@ -15,9 +15,7 @@ namespace {
 constexpr auto kNoProgress = [](double) {};
 
 Sculpture block_of(const BoxStock& box) {
-  SculptureSettings settings;
-  settings.stock = box;
-  settings.pitch_mm = 0.25;
+  SculptureSettings settings{.stock = box, .pitch_mm = 0.25};
   return *Sculpture::create(settings);
 }
 

@@ -9,10 +9,7 @@ namespace kerf::column_ray_test {
 namespace {
 
 Sculpture block_of(const StockShape& stock, double pitch_mm) {
-  SculptureSettings settings;
-  settings.stock = stock;
-  settings.pitch_mm = pitch_mm;
-  settings.tolerance_mm = 0.001;
+  SculptureSettings settings{.stock = stock, .pitch_mm = pitch_mm, .tolerance_mm = 0.001};
   return *Sculpture::create(settings);
 }
 

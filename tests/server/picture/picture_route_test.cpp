@@ -152,9 +152,7 @@ class PictureRoute : public ::testing::Test {
   }
 
   static HttpOptions in_folder(const std::filesystem::path& path) {
-    HttpOptions options;
-    options.data_folder = path;
-    return options;
+    return HttpOptions{.data_folder = path};
   }
 
   test::TemporaryFolder folder_;

@@ -29,9 +29,7 @@ class Maintenance : public DamageTest {
   static Outcome run(Command command) {
     testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();
-    Outcome outcome;
-    outcome.status = command();
-    outcome.said = testing::internal::GetCapturedStdout();
+    Outcome outcome{.status = command(), .said = testing::internal::GetCapturedStdout()};
     outcome.said += testing::internal::GetCapturedStderr();
     return outcome;
   }

@@ -26,11 +26,10 @@ TEST_F(SessionClosing, FullDiskKeepsTheSessionOpen) {
   stroke(id, 0);
   for (const DiskFault fault : {DiskFault::kNoSpace, DiskFault::kSyncFails}) {
     disk.fail({fault, FaultTarget::kAll, 0});
-    wire::MotionSample sample;
-    sample.agent_sequence = ++samples;
-    sample.time_us = 1000 * samples;
-    sample.tip_mm = {10, 0, -3};
-    sample.tool_id = 1;
+    wire::MotionSample sample{.agent_sequence = ++samples,
+                              .time_us = 1000 * samples,
+                              .tip_mm = {10, 0, -3},
+                              .tool_id = 1};
     session->move(id, {&sample, 1});
     sample.tip_mm.x -= 1;
     sample.agent_sequence = ++samples;

@@ -16,13 +16,11 @@ namespace kerf::block_snapshot_test {
 namespace {
 
 SculptureSettings settings_of(Rays rays, bool keep_normals) {
-  SculptureSettings settings;
-  settings.stock = BoxStock{{-15, -15, -12}, {15, 15, 0}};
-  settings.rays = rays;
-  settings.pitch_mm = 0.5;
-  settings.tolerance_mm = 0.01;
-  settings.keep_normals = keep_normals;
-  return settings;
+  return SculptureSettings{.stock = BoxStock{{-15, -15, -12}, {15, 15, 0}},
+                           .rays = rays,
+                           .pitch_mm = 0.5,
+                           .tolerance_mm = 0.01,
+                           .keep_normals = keep_normals};
 }
 
 Sculpture make(const SculptureSettings& settings) {

@@ -16,10 +16,7 @@ void write_carved_again(const std::filesystem::path& file) {
   {
     auto writer = test::value_of(JournalWriter::create(file, {"demo", "{}", "", 1}));
     for (int i = 1; i <= 10; ++i) {
-      MoveTool move;
-      move.tool = 1;
-      move.to.tip_mm = {double(i), 0, 0};
-      move.duration_s = 0.001;
+      MoveTool move{.tool = 1, .to = {.tip_mm = {double(i), 0, 0}}, .duration_s = 0.001};
       ASSERT_TRUE(writer.append(1, move));
     }
     ASSERT_TRUE(writer.flush());

@@ -20,10 +20,7 @@ class JournalChangeTest : public testing::Test {
  protected:
   static void append_motions(JournalWriter& writer, int count) {
     for (int i = 0; i < count; ++i) {
-      MoveTool move;
-      move.tool = 1;
-      move.to.tip_mm = {double(i), 0, 0};
-      move.duration_s = 0.001;
+      MoveTool move{.tool = 1, .to = {.tip_mm = {double(i), 0, 0}}, .duration_s = 0.001};
       ASSERT_TRUE(writer.append(1, move, {static_cast<std::uint64_t>(i + 1), i == 0}));
     }
     ASSERT_TRUE(writer.flush());

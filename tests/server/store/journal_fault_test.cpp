@@ -14,11 +14,7 @@ using test::FaultRule;
 using test::FaultTarget;
 
 MoveTool move_to(double x_mm) {
-  MoveTool move;
-  move.tool = 1;
-  move.to.tip_mm = {x_mm, 0, 0};
-  move.duration_s = 0.001;
-  return move;
+  return MoveTool{.tool = 1, .to = {.tip_mm = {x_mm, 0, 0}}, .duration_s = 0.001};
 }
 
 /// A motion that a batch stores as a whole command, because it begins off the pose grid.

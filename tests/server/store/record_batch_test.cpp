@@ -38,12 +38,10 @@ TEST(RecordBatch, ExtremeNumbersAreKept) {
                inf = std::numeric_limits<double>::infinity();
   std::vector<BatchRecord> records;
   for (const double value : {0.0, -0.0, 1e6, -1e6, 1e12, 1e-300, huge, -huge, inf}) {
-    MoveTool move;
-    move.tool = std::numeric_limits<ToolId>::max();
-    move.from.tip_mm = {value, -value, 0};
-    move.to.tip_mm = {-value, value, value};
-    move.to.axis = {0, value, 1};
-    move.duration_s = value;
+    MoveTool move{.tool = std::numeric_limits<ToolId>::max(),
+                  .from = {.tip_mm = {value, -value, 0}},
+                  .to = {.tip_mm = {-value, value, value}, .axis = {0, value, 1}},
+                  .duration_s = value};
     records.push_back({std::numeric_limits<ParticipantId>::max(), move, true});
   }
   const auto decoded = test::value_of(decoder.decode(encoder.encode(records), records.size()));

@@ -198,12 +198,11 @@ TEST_F(OpenServer, GuestsWatchAndCarveButCannotDestroy) {
 TEST(Reach, AServerThatOthersCanReachNeedsRights) {
   const TemporaryFolder folder;
   const auto fault = [&](const char* address, const std::vector<std::string>& proxies) {
-    net::ServerOptions options;
-    options.address = address;
-    options.port = 0;
-    options.udp.on = false;
-    options.http.data_folder = folder.path();
-    options.http.proxies = *net::TrustedProxies::parse(proxies);
+    net::ServerOptions options{
+        .address = address,
+        .port = 0,
+        .http = {.data_folder = folder.path(), .proxies = *net::TrustedProxies::parse(proxies)},
+        .udp = {.on = false}};
     const auto server = net::Server::create(options);
     const auto listening = (*server)->listen();
     return listening ? std::string() : listening.error();
@@ -217,9 +216,7 @@ TEST(Reach, AServerThatOthersCanReachNeedsRights) {
 
 TEST(Reach, AnAdministratorsTokenIsLongAndNeverPrinted) {
   const TemporaryFolder folder;
-  net::ServerOptions options;
-  options.http.data_folder = folder.path();
-  options.admin_token = "too-short";
+  net::ServerOptions options{.http = {.data_folder = folder.path()}, .admin_token = "too-short"};
   const auto server = net::Server::create(options);
   ASSERT_FALSE(server);
   EXPECT_FALSE(server.error().contains("too-short")) << server.error();
@@ -228,12 +225,11 @@ TEST(Reach, AnAdministratorsTokenIsLongAndNeverPrinted) {
 TEST(Reach, ServerOnAllAddressesStatesAUsableOne) {
   const TemporaryFolder folder;
   for (const char* address : {"0.0.0.0", "::"}) {
-    net::ServerOptions options;
-    options.address = address;
-    options.port = 0;
-    options.udp.on = false;
-    options.open = true;
-    options.http.data_folder = folder.path();
+    net::ServerOptions options{.address = address,
+                               .port = 0,
+                               .http = {.data_folder = folder.path()},
+                               .udp = {.on = false},
+                               .open = true};
     const auto server = net::Server::create(options);
     ASSERT_TRUE(server);
     ASSERT_TRUE((*server)->listen());

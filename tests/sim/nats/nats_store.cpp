@@ -130,8 +130,7 @@ NatsResult<NatsStore::Newest> NatsStore::newest(const std::string& stream,
                                                 const std::string& subject) const {
   const Stream* found = find(stream);
   if (found == nullptr) return absent();
-  Newest result;
-  result.last = found->last;
+  Newest result{.last = found->last};
   for (const auto& [name, number] : found->newest) {
     if (matches(name, subject)) result.numbers.push_back(number);
   }

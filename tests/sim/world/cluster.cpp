@@ -30,12 +30,12 @@ Cluster::~Cluster() {
 
 void Cluster::start(const std::string& name, const Change& change) {
   if (!servers_.contains(name)) {
-    net::ServerOptions options;
-    options.port = static_cast<std::uint16_t>(kFirstPort + static_cast<int>(servers_.size()));
-    options.udp.on = false;
-    options.copies.url = "nats://127.0.0.1:4222";
-    options.cluster.node = name;
-    options.needs_copy = true;
+    net::ServerOptions options{
+        .port = static_cast<std::uint16_t>(kFirstPort + static_cast<int>(servers_.size())),
+        .udp = {.on = false},
+        .copies = {.url = "nats://127.0.0.1:4222"},
+        .cluster = {.node = name},
+        .needs_copy = true};
     if (change) change(options);
     servers_[name] = std::make_unique<ServerMachine>(name, options, folder_ / name, 1.0);
   }

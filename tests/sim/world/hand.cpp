@@ -12,14 +12,13 @@ namespace kerf::sim {
 
 Hand::Hand(int number, std::string session, int port, std::uint64_t seed, std::string token)
     : name_("hand " + std::to_string(number)), y_mm_(-12.0 + 6.0 * number), random_(seed | 1) {
-  agent::LinkSettings settings;
-  settings.server = {"127.0.0.1", std::to_string(port), false};
-  settings.session = std::move(session);
-  settings.hello.name = name_;
-  settings.token = std::move(token);
-  settings.hello.tool_id = 1;
-  settings.patience_s = 120;
-  settings.notice = [this](const std::string& line) { notices_.push_back(line); };
+  agent::LinkSettings settings{
+      .server = {"127.0.0.1", std::to_string(port), false},
+      .session = std::move(session),
+      .token = std::move(token),
+      .hello = {.name = name_, .tool_id = 1},
+      .patience_s = 120,
+      .notice = [this](const std::string& line) { notices_.push_back(line); }};
   link_ = std::make_unique<agent::ServerLink>(std::move(settings), ring_, wrenches_);
 }
 
@@ -32,11 +31,8 @@ void Hand::move() {
   const Vec3 tip{18 * std::sin(0.003 * count), y_mm_ + 0.0003 * count,
                  -0.5 - 0.0005 * count - (made_ % 2 == 0 ? 0.2 : 0.0)};
   last_us_ = std::max(last_us_ + 1, agent::monotonic_us());
-  wire::MotionSample sample;
-  sample.time_us = last_us_;
-  sample.tip_mm = tip;
-  sample.tool_id = tool_;
-  sample.buttons = wire::kButtonCutting;
+  wire::MotionSample sample{
+      .time_us = last_us_, .tip_mm = tip, .tool_id = tool_, .buttons = wire::kButtonCutting};
   if (!ring_.push(sample)) {
     --made_;
     tool_ = before;

@@ -22,8 +22,7 @@ double choose(std::mt19937_64& random, std::initializer_list<double> values) {
 }
 
 PlannedFault fault_of(std::mt19937_64& random, const Plan& plan) {
-  PlannedFault fault;
-  fault.at = between(random, 300 * kMillisecond, plan.length);
+  PlannedFault fault{.at = between(random, 300 * kMillisecond, plan.length)};
   const std::size_t kinds = plan.servers == 1 ? kOfOne : kOfCluster;
   fault.fault = static_cast<Fault>(random() % kinds);
   fault.server = random() % static_cast<std::size_t>(plan.servers);
@@ -54,12 +53,11 @@ const char* to_string(Fault fault) {
 
 Plan plan_of(std::uint64_t seed) {
   std::mt19937_64 random(seed * 0x9e3779b97f4a7c15 + 7);
-  Plan plan;
-  plan.seed = seed;
-  plan.servers = random() % 3 == 0 ? 2 + static_cast<int>(random() % 2) : 1;
-  plan.hands = 1 + static_cast<int>(random() % 3);
-  plan.clerks = static_cast<int>(random() % 3);
-  plan.pages = static_cast<int>(random() % 3);
+  Plan plan{.seed = seed,
+            .servers = random() % 3 == 0 ? 2 + static_cast<int>(random() % 2) : 1,
+            .hands = 1 + static_cast<int>(random() % 3),
+            .clerks = static_cast<int>(random() % 3),
+            .pages = static_cast<int>(random() % 3)};
   plan.length = between(random, 2 * kSecond, plan.servers == 1 ? 6 * kSecond : 12 * kSecond);
   plan.period = between(random, 2 * kMillisecond, 12 * kMillisecond);
   plan.switch_chance = choose(random, {0.001, 0.01, 0.1});

@@ -63,8 +63,7 @@ Report run_apart(const TurnOptions& turns, const std::filesystem::path& folder,
   int status = 0;
   rusage use{};
   wait4(child, &status, 0, &use);
-  Report report;
-  report.cpu_s = seconds(use.ru_utime) + seconds(use.ru_stime);
+  Report report{.cpu_s = seconds(use.ru_utime) + seconds(use.ru_stime)};
   std::ifstream figures(folder / "figures"), faults(folder / "faults");
   report.is_whole =
       static_cast<bool>(figures >> report.motions >> report.promises >> report.requests >>

@@ -57,9 +57,7 @@ Silence be_silent_after(const std::string& bytes) {
 
 /// Writes a line for each peer.
 void observe(std::ostream& out, const std::filesystem::path& folder) {
-  net::ServerOptions options;
-  options.port = kPort;
-  options.udp.on = false;
+  net::ServerOptions options{.port = kPort, .udp = {.on = false}};
   ServerMachine server("server", options, folder / "server", 1);
   server.start();
   while (ask(kPort, "POST", "/v1/sessions?id=block", kScene).status != 201) {

@@ -26,11 +26,10 @@ constexpr Time kDrains = 90 * kSecond;
 constexpr Time kLook = 50 * kMillisecond;
 
 net::ServerOptions options_of(const Plan& plan, int number) {
-  net::ServerOptions options;
-  options.port = static_cast<std::uint16_t>(kFirstPort + number);
-  options.udp.on = false;
-  options.admin_token = kAdminToken;
-  options.open = true;
+  net::ServerOptions options{.port = static_cast<std::uint16_t>(kFirstPort + number),
+                             .udp = {.on = false},
+                             .admin_token = kAdminToken,
+                             .open = true};
   if (plan.snapshots_often) {
     options.snapshots = {.replay_time = std::chrono::microseconds(2000),
                          .age = std::chrono::seconds(2),

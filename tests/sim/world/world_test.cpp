@@ -22,21 +22,14 @@ class WorldTest : public testing::Test {
 
   /// Two servers and a hand.
   static Plan cluster() {
-    Plan plan;
-    plan.servers = 2;
-    plan.hands = 1;
-    plan.clerks = 0;
-    plan.length = 4 * kSecond;
-    return plan;
+    return Plan{.servers = 2, .hands = 1, .clerks = 0, .length = 4 * kSecond};
   }
 
   const test::TemporaryFolder folder_;
 };
 
 TEST_F(WorldTest, NothingIsLostWithoutFaults) {
-  Plan plan;
-  plan.length = 2 * kSecond;
-  plan.pages = 1;
+  Plan plan{.pages = 1, .length = 2 * kSecond};
   EXPECT_EQ(faults_of(plan), "");
   plan.servers = 2;
   plan.follows = true;
@@ -87,9 +80,7 @@ TEST_F(WorldTest, TheTimeOfDayDecidesNothing) {
 }
 
 TEST_F(WorldTest, SamplesThatAKillHasLostAreSentAgain) {
-  Plan plan;
-  plan.clerks = 0;
-  plan.period = 2 * kMillisecond;
+  Plan plan{.clerks = 0, .period = 2 * kMillisecond};
   for (int n = 1; n <= 5; ++n) {
     const Fault fault = n % 2 == 0 ? Fault::kKill : Fault::kPowerLoss;
     plan.faults.push_back({.at = n * kSecond, .fault = fault, .length = 20 * kMillisecond});
@@ -98,22 +89,21 @@ TEST_F(WorldTest, SamplesThatAKillHasLostAreSentAgain) {
 }
 
 TEST_F(WorldTest, AHandThatIsOfflineWhileItsServerIsRestartedGoesOnWithoutAGap) {
-  Plan plan;
-  plan.clerks = 0;
-  plan.period = 2 * kMillisecond;
-  plan.faults = {{.at = kSecond, .fault = Fault::kCut},
-                 {.at = kSecond + kMillisecond, .fault = Fault::kRestart, .length = kSecond}};
+  Plan plan{
+      .clerks = 0,
+      .period = 2 * kMillisecond,
+      .faults = {{.at = kSecond, .fault = Fault::kCut},
+                 {.at = kSecond + kMillisecond, .fault = Fault::kRestart, .length = kSecond}}};
   EXPECT_EQ(faults_of(plan), "");
 }
 
 /// An older state of the block reached the feed after a newer one, on a busy machine only.
 TEST_F(WorldTest, APageShowsTheLastCutOfABusyServer) {
-  Plan plan;
-  plan.hands = 1;
-  plan.clerks = 0;
-  plan.pages = 2;
-  plan.length = kSecond;
-  plan.faults = {{.at = 300 * kMillisecond, .fault = Fault::kBusy, .length = kSecond}};
+  Plan plan{.hands = 1,
+            .clerks = 0,
+            .pages = 2,
+            .length = kSecond,
+            .faults = {{.at = 300 * kMillisecond, .fault = Fault::kBusy, .length = kSecond}}};
   EXPECT_EQ(faults_of(plan, 60), "");
 }
 
