@@ -38,12 +38,11 @@ struct Ratio {
 };
 
 Sculpture block(const Setup& setup, const Tool& tool) {
-  SculptureSettings s{.stock = BoxStock{{-12, -12, -16}, {12, 12, 0}},
-                      .rays = setup.rays,
-                      .pitch_mm = setup.pitch_mm,
-                      .tolerance_mm = 0.001,
-                      .force = {.pivot_mm = kPivotMm, .law = setup.law}};
-  Sculpture sculpture = *Sculpture::create(s);
+  Sculpture sculpture = *Sculpture::create({.stock = BoxStock{{-12, -12, -16}, {12, 12, 0}},
+                                            .rays = setup.rays,
+                                            .pitch_mm = setup.pitch_mm,
+                                            .tolerance_mm = 0.001,
+                                            .force = {.law = setup.law, .pivot_mm = kPivotMm}});
   sculpture.apply(DefineTool{1, tool}).value();
   return sculpture;
 }

@@ -42,8 +42,8 @@ test::SelfIntersections of_standard_job(bool five_axis, Rays rays) {
 Sculpture with_slots(unsigned seed, Rays rays) {
   std::mt19937 random(seed);
   const auto quarter = [&](unsigned most) { return 0.25 * double(random() % (4 * most + 1)); };
-  SculptureSettings settings{.stock = BoxStock{{0, 0, 0}, {6, 6, 4}}, .rays = rays, .pitch_mm = 1};
-  auto sculpture = *Sculpture::create(settings);
+  auto sculpture =
+      *Sculpture::create({.stock = BoxStock{{0, 0, 0}, {6, 6, 4}}, .rays = rays, .pitch_mm = 1});
   sculpture.apply(DefineTool{1, *make_tool(FlatShape{1.5, 9})}).value();
   constexpr std::array<Vec3, 6> kAxes{
       {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};

@@ -53,11 +53,10 @@ void standard_job(Rays rays, bool five_axis, double pitch_mm) {
 
 /// Cuts 99 parallel grooves with periodic snapshots; rays along Y cross all of them.
 void grooves(Rays rays, double pitch_mm) {
-  SculptureSettings settings{.stock = BoxStock{{0, 0, 0}, {100, 100, 20}},
-                             .rays = rays,
-                             .pitch_mm = pitch_mm,
-                             .tolerance_mm = 0.001};
-  auto s = *Sculpture::create(settings);
+  auto s = *Sculpture::create({.stock = BoxStock{{0, 0, 0}, {100, 100, 20}},
+                               .rays = rays,
+                               .pitch_mm = pitch_mm,
+                               .tolerance_mm = 0.001});
   s.apply(DefineTool{1, *make_tool(FlatShape{0.5, 20})}).value();
   const Vec3 up{0, 0, 1};
   const double start = cpu_s();

@@ -79,12 +79,11 @@ Vec3 mean(const std::vector<Vec3>& values) {
 }
 
 Sculpture block(const Setup& setup) {
-  SculptureSettings s{.stock = BoxStock{{-14, -14, -16}, {14, 14, 0}},
-                      .rays = setup.rays,
-                      .pitch_mm = setup.pitch_mm,
-                      .tolerance_mm = 0.001,
-                      .force = {.pivot_mm = kPivotMm, .law = setup.law}};
-  return *Sculpture::create(s);
+  return *Sculpture::create({.stock = BoxStock{{-14, -14, -16}, {14, 14, 0}},
+                             .rays = setup.rays,
+                             .pitch_mm = setup.pitch_mm,
+                             .tolerance_mm = 0.001,
+                             .force = {.law = setup.law, .pivot_mm = kPivotMm}});
 }
 
 Statistics measure(const Setup& setup, const Cut& cut) {

@@ -29,11 +29,10 @@ struct Block {
 
 /// Rows of a ball of 6 mm over the whole block, whose depth varies.
 SolidSnapshot carved(const Block& block) {
-  SculptureSettings settings{
-      .stock = BoxStock{{0, 0, -kHeightMm}, {block.side_mm, block.side_mm, 0}},
-      .rays = block.rays,
-      .pitch_mm = block.pitch_mm};
-  Sculpture sculpture = *Sculpture::create(settings);
+  Sculpture sculpture =
+      *Sculpture::create({.stock = BoxStock{{0, 0, -kHeightMm}, {block.side_mm, block.side_mm, 0}},
+                          .rays = block.rays,
+                          .pitch_mm = block.pitch_mm});
   if (!sculpture.apply(DefineTool{1, *make_tool(BallShape{6, 30})})) std::exit(1);
   const auto at = [](double x, double y) {
     return ToolPose{{x, y, -3 - std::sin(x / 5) * std::cos(y / 7)}};

@@ -48,13 +48,12 @@ std::vector<Variant> variants() {
 
 /// Returns microseconds of CPU per tick.
 double us_per_tick(const Tool& tool, Rays rays, double pitch_mm, const Variant& v) {
-  SculptureSettings s{.stock = BoxStock{{-12, -12, -8}, {12, 12, 0}},
-                      .rays = rays,
-                      .pitch_mm = pitch_mm,
-                      .tolerance_mm = 0.001,
-                      .keep_normals = false,
-                      .force = v.force};
-  Sculpture block = *Sculpture::create(s);
+  Sculpture block = *Sculpture::create({.stock = BoxStock{{-12, -12, -8}, {12, 12, 0}},
+                                        .rays = rays,
+                                        .pitch_mm = pitch_mm,
+                                        .tolerance_mm = 0.001,
+                                        .keep_normals = false,
+                                        .force = v.force});
   block.apply(DefineTool{1, tool}).value();
   const auto at = [](int i) { return ToolPose{{-4.04 + i * kStepMm, 0.0213, -kDepthMm}, kUp}; };
   block.apply(MoveTool{1, at(-400), at(0), 1, false}).value();

@@ -123,9 +123,8 @@ void print_exports() {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     for (const Vec3 size :
          {Vec3{200, 200, 100}, Vec3{1e3, 1e3, 100}, Vec3{1e4, 1e4, 100}, Vec3{1e4, 1e4, 1e4}}) {
-      SculptureSettings settings{
-          .stock = BoxStock{size * -0.5, size * 0.5}, .rays = rays, .pitch_mm = 0.5};
-      auto sculpture = *Sculpture::create(settings);
+      auto sculpture = *Sculpture::create(
+          {.stock = BoxStock{size * -0.5, size * 0.5}, .rays = rays, .pitch_mm = 0.5});
       sculpture.apply(DefineTool{1, *make_tool(BallShape{10, 50})}).value();
       for (int n = 0; n <= 20; ++n) {
         const Vec3 from{-50, 5.0 * n - 50, 0.5 * size.z - 5};

@@ -43,12 +43,12 @@ Job rib_along_x() { return two_slots({1, 0, 0}, {15, 15, 0}); }
 Job diagonal_rib() { return two_slots({kHalf, kHalf, 0}, {15, 15.15, 0}); }
 
 SolidSnapshot carve(const Job& job, Rays rays = Rays::kDexel) {
-  SculptureSettings settings{.stock = kBlock,
-                             .rays = rays,
-                             .pitch_mm = kPitchMm,
-                             .tolerance_mm = 0.001,
-                             .keep_normals = true};
-  Sculpture sculpture = Sculpture::create(settings).value();
+  Sculpture sculpture = Sculpture::create({.stock = kBlock,
+                                           .rays = rays,
+                                           .pitch_mm = kPitchMm,
+                                           .tolerance_mm = 0.001,
+                                           .keep_normals = true})
+                            .value();
   for (const auto& [id, tool] : job.tools) sculpture.apply(DefineTool{id, tool.tool}).value();
   for (const ProgramMotion& m : job.motions)
     sculpture.apply(MoveTool{m.tool, m.from, m.to, m.duration_s, false}).value();

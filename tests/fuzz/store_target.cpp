@@ -49,8 +49,8 @@ std::filesystem::path file_with(Bytes input) {
 /// A snapshot of the block in corpus/snapshot: 80 x 80 x 30 mm at 0.5 mm.
 void read_snapshot(Bytes input) {
   static const Sculpture kBlock = [] {
-    SculptureSettings settings{.stock = BoxStock{{-40, -40, -30}, {40, 40, 0}}, .pitch_mm = 0.5};
-    return Sculpture::create(settings).value();
+    return Sculpture::create({.stock = BoxStock{{-40, -40, -30}, {40, 40, 0}}, .pitch_mm = 0.5})
+        .value();
   }();
   const auto file = file_with(input);
   (void)read_snapshot_head(file);

@@ -37,11 +37,10 @@ class Moves {
 };
 
 Sculpture block(Rays rays, bool keep_normals) {
-  SculptureSettings settings{.stock = BoxStock{{0, 0, -8}, {24, 24, 0}},
-                             .rays = rays,
-                             .pitch_mm = 0.1,
-                             .keep_normals = keep_normals};
-  Sculpture sculpture = *Sculpture::create(settings);
+  Sculpture sculpture = *Sculpture::create({.stock = BoxStock{{0, 0, -8}, {24, 24, 0}},
+                                            .rays = rays,
+                                            .pitch_mm = 0.1,
+                                            .keep_normals = keep_normals});
   const auto define = [&](ToolId id, const ToolShape& shape) {
     sculpture.apply(DefineTool{id, make_tool(shape).value()}).value();
   };

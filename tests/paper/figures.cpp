@@ -90,11 +90,11 @@ Picture draw_dexel_updates() {
 /// Returns the swept volume as a solid: the hollow that the tool leaves in a block.
 Sculpture swept_solid(const Tool& tool, const ToolPose& from, const ToolPose& to, MotionModel model,
                       double tolerance_mm) {
-  SculptureSettings settings{.stock = BoxStock{{-32, -16, -20}, {32, 16, 30}},
-                             .rays = Rays::kTriDexel,
-                             .tolerance_mm = tolerance_mm,
-                             .motion = model};
-  Sculpture block = Sculpture::create(settings).value();
+  Sculpture block = Sculpture::create({.stock = BoxStock{{-32, -16, -20}, {32, 16, 30}},
+                                       .rays = Rays::kTriDexel,
+                                       .tolerance_mm = tolerance_mm,
+                                       .motion = model})
+                        .value();
   block.apply(DefineTool{1, tool}).value();
   block.apply(MoveTool{1, from, to}).value();
   auto mesh = std::make_shared<TriangleMesh>();
@@ -114,8 +114,7 @@ Sculpture swept_solid(const Tool& tool, const ToolPose& from, const ToolPose& to
       mesh->triangles.push_back(corners);
     }
   }
-  SculptureSettings solid{.stock_mesh = mesh, .pitch_mm = 0.1};
-  return Sculpture::create(solid).value();
+  return Sculpture::create({.stock_mesh = mesh, .pitch_mm = 0.1}).value();
 }
 
 /// The swept volume: the first pose in blue, the last one in red, and the envelope between them.
@@ -161,8 +160,7 @@ Picture draw_bird() {
 }
 
 Picture draw_bird_stl() {
-  SculptureSettings settings{.stock_mesh = bird_stl(), .pitch_mm = 0.15};
-  Sculpture model = Sculpture::create(settings).value();
+  Sculpture model = Sculpture::create({.stock_mesh = bird_stl(), .pitch_mm = 0.15}).value();
   PictureStyle style{.width = 1280, .height = 1072, .towards_eye = kFromAboveFront};
   style.paint = [](Vec3) { return std::optional(Vec3{0.45, 0.47, 0.5}); };
   const Picture fine = draw(model, style);

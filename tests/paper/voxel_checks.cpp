@@ -46,8 +46,8 @@ const std::vector<Move>& job() {
 }
 
 Sculpture dexels(double pitch_mm) {
-  SculptureSettings settings{.stock = kStock, .pitch_mm = pitch_mm, .keep_normals = false};
-  Sculpture block = Sculpture::create(settings).value();
+  Sculpture block =
+      Sculpture::create({.stock = kStock, .pitch_mm = pitch_mm, .keep_normals = false}).value();
   block.apply(DefineTool{1, make_tool(BallShape{6, 40}).value()}).value();
   block.apply(DefineTool{2, make_tool(FlatShape{6, 40}).value()}).value();
   return block;

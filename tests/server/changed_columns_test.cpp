@@ -15,8 +15,8 @@ void cut(Sculpture& sculpture, Vec3 tip) {
 }
 
 Sculpture block(Rays rays = Rays::kDexel) {
-  SculptureSettings settings{.stock = kBlock, .rays = rays, .pitch_mm = 0.5};
-  Sculpture sculpture = std::move(Sculpture::create(settings).value());
+  Sculpture sculpture =
+      std::move(Sculpture::create({.stock = kBlock, .rays = rays, .pitch_mm = 0.5}).value());
   EXPECT_TRUE(sculpture.apply(DefineTool{1, make_tool(BallShape{4, 40}).value()}));
   return sculpture;
 }

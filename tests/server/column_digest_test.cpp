@@ -12,8 +12,7 @@ namespace {
 const BoxStock kBlock{{-3, 2, 0}, {74, 82, 12}};
 
 Sculpture block_of(Rays rays) {
-  SculptureSettings settings{.stock = kBlock, .rays = rays, .pitch_mm = 0.5};
-  return std::move(Sculpture::create(settings).value());
+  return std::move(Sculpture::create({.stock = kBlock, .rays = rays, .pitch_mm = 0.5}).value());
 }
 
 std::map<TileIndex, std::uint64_t> digests_of(const SolidSnapshot& solid) {

@@ -91,9 +91,10 @@ struct RestingBall {
     held.add_motion(cut, block, {1, {{0, 0, 1}, {0, 0, 1}}, at, 0.001, true}, result_of(10, 1, 4));
   }
   static Sculpture make(ForceLaw law) {
-    SculptureSettings settings{
-        .stock = BoxStock{{-10, -10, -10}, {10, 10, 0}}, .pitch_mm = 0.5, .force = {.law = law}};
-    return Sculpture::create(settings).value();
+    return Sculpture::create({.stock = BoxStock{{-10, -10, -10}, {10, 10, 0}},
+                              .pitch_mm = 0.5,
+                              .force = {.law = law}})
+        .value();
   }
   /// Returns the result of a step of 3 ms.
   wire::Result after(const ToolTrack::Step& step) {

@@ -9,8 +9,8 @@ namespace kerf::participants_test {
 namespace {
 
 Sculpture sculpture_with_tools() {
-  SculptureSettings settings{.stock = BoxStock{{0, 0, 0}, {10, 10, 10}}, .pitch_mm = 0.5};
-  auto sculpture = *Sculpture::create(settings);
+  auto sculpture =
+      *Sculpture::create({.stock = BoxStock{{0, 0, 0}, {10, 10, 10}}, .pitch_mm = 0.5});
   for (const ToolId tool : {1U, 2U}) {
     sculpture.apply(DefineTool{tool, *make_tool(BallShape{4, 40})}).value();
   }

@@ -14,8 +14,8 @@ constexpr double kPitchMm = 0.25;
 const BoxStock kBlock{{-3, 2, 1}, {28, 28, 9}};
 
 Sculpture block(Rays rays = Rays::kDexel) {
-  SculptureSettings settings{.stock = kBlock, .rays = rays, .pitch_mm = kPitchMm};
-  return std::move(Sculpture::create(settings).value());
+  return std::move(
+      Sculpture::create({.stock = kBlock, .rays = rays, .pitch_mm = kPitchMm}).value());
 }
 
 Sculpture carved_block(unsigned seed, Rays rays) {

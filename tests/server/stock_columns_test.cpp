@@ -17,9 +17,8 @@ std::vector<std::byte> bytes_of(std::initializer_list<int> values) {
 }
 
 Sculpture carved(int cuts) {
-  SculptureSettings settings{
-      .stock = BoxStock{{0, 0, 0}, {16, 16, 12}}, .pitch_mm = 0.5, .keep_normals = false};
-  auto s = *Sculpture::create(settings);
+  auto s = *Sculpture::create(
+      {.stock = BoxStock{{0, 0, 0}, {16, 16, 12}}, .pitch_mm = 0.5, .keep_normals = false});
   s.apply(DefineTool{1, *make_tool(BallShape{4, 40})}).value();
   std::mt19937 random(7);
   std::uniform_real_distribution<double> at(0, 16), height(0, 10);

@@ -320,11 +320,10 @@ TEST_P(StockFeedTest, ReplicaStaysCorrectOnALongSharedPath) {
 
 TEST_P(StockFeedTest, StoresTilesWithoutNormals) {
   const auto stored_bytes = [](bool keep_normals) {
-    SculptureSettings settings{.stock = BoxStock{{0, 0, -20}, {100, 100, 0}},
-                               .rays = GetParam(),
-                               .pitch_mm = 0.5,
-                               .keep_normals = keep_normals};
-    auto server = *Sculpture::create(settings);
+    auto server = *Sculpture::create({.stock = BoxStock{{0, 0, -20}, {100, 100, 0}},
+                                      .rays = GetParam(),
+                                      .pitch_mm = 0.5,
+                                      .keep_normals = keep_normals});
     server.apply(DefineTool{1, *make_tool(BallShape{6, 40})}).value();
     for (double y = 10; y < 100; y += 20) {
       server.apply(MoveTool{1, {{0, y, -8}, kUp}, {{100, y, -8}, kUp}, 0, false}).value();

@@ -12,8 +12,8 @@ namespace {
 const BoxStock kBlock{{-3, 2, 1}, {28, 28, 9}};
 
 Sculpture carved_block(unsigned seed, Rays rays, int cuts) {
-  SculptureSettings settings{.stock = kBlock, .rays = rays, .pitch_mm = 0.25};
-  Sculpture sculpture = std::move(Sculpture::create(settings).value());
+  Sculpture sculpture =
+      std::move(Sculpture::create({.stock = kBlock, .rays = rays, .pitch_mm = 0.25}).value());
   test::RandomCarver carver(sculpture, kBlock.min_mm, kBlock.max_mm, seed);
   for (int n = 0; n < cuts; ++n) carver.cut();
   return sculpture;
@@ -118,8 +118,8 @@ TEST_P(TileDetailOfRays, CoarserLevelsKeepOriginalSurfaceFlags) {
 /// A block with shallow grooves of a thin ball in all directions, which run across the borders of
 /// its tiles.
 Sculpture grooved_block(Rays rays) {
-  SculptureSettings settings{.stock = kBlock, .rays = rays, .pitch_mm = 0.25};
-  Sculpture sculpture = std::move(Sculpture::create(settings).value());
+  Sculpture sculpture =
+      std::move(Sculpture::create({.stock = kBlock, .rays = rays, .pitch_mm = 0.25}).value());
   sculpture.apply(DefineTool{1, *make_tool(BallShape{2, 30})}).value();
   const Vec3 middle{12.3, 15.2, 8.6}, up{0, 0, 1};
   constexpr int kGrooves = 14;

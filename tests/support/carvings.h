@@ -8,8 +8,7 @@
 namespace kerf::test {
 
 inline Sculpture make_sculpture(StockShape stock, double pitch_mm) {
-  SculptureSettings settings{.stock = stock, .pitch_mm = pitch_mm};
-  return std::move(Sculpture::create(settings).value());
+  return std::move(Sculpture::create({.stock = stock, .pitch_mm = pitch_mm}).value());
 }
 
 /// A block carved by random moves of a ball, a flat, a taper and a cone-ended tool whose axes lean

@@ -28,11 +28,10 @@ inline constexpr double kSideCutDegrees[] = {0, 7, 12, 20, 30, 37, 45};
 
 /// Returns the ripple of the force: rms of its deviation from the mean over the mean.
 inline double side_cut_ripple(const SideCut& cut) {
-  SculptureSettings settings{.stock = BoxStock{{-16, -16, -4}, {16, 16, 0}},
-                             .rays = cut.rays,
-                             .pitch_mm = cut.pitch_mm,
-                             .tolerance_mm = 0.001};
-  Sculpture sculpture = *Sculpture::create(settings);
+  Sculpture sculpture = *Sculpture::create({.stock = BoxStock{{-16, -16, -4}, {16, 16, 0}},
+                                            .rays = cut.rays,
+                                            .pitch_mm = cut.pitch_mm,
+                                            .tolerance_mm = 0.001});
   sculpture.apply(DefineTool{1, *make_tool(FlatShape{cut.diameter_mm, 40})}).value();
   const double a = cut.degrees * std::numbers::pi / 180;
   const Vec3 feed{std::cos(a), std::sin(a), 0}, side{-std::sin(a), std::cos(a), 0};

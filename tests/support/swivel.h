@@ -24,12 +24,12 @@ struct Swivel {
 inline double work_over_energy(const Swivel& swivel) {
   constexpr double kTickRad = 0.005, kSpecific = 0.5, kPivotMm = 60;
   constexpr int kCut = 50, kFree = 50;
-  SculptureSettings settings{.stock = BoxStock{{-20, -20, -25}, {20, 20, 0}},
-                             .rays = swivel.rays,
-                             .pitch_mm = swivel.pitch_mm,
-                             .tolerance_mm = 0.001,
-                             .force = {ForceLaw::kSpecificEnergy, kSpecific, 0.01, kPivotMm}};
-  Sculpture sculpture = *Sculpture::create(settings);
+  Sculpture sculpture =
+      *Sculpture::create({.stock = BoxStock{{-20, -20, -25}, {20, 20, 0}},
+                          .rays = swivel.rays,
+                          .pitch_mm = swivel.pitch_mm,
+                          .tolerance_mm = 0.001,
+                          .force = {ForceLaw::kSpecificEnergy, kSpecific, 0.01, kPivotMm}});
   for (const ToolId tool : {1, 2}) sculpture.apply(DefineTool{tool, swivel.tool}).value();
   const Vec3 center{0.0371, 0.0213, swivel.above_tip_mm - swivel.depth_mm};
   const Vec3 heading{std::cos(swivel.heading_rad), std::sin(swivel.heading_rad), 0};

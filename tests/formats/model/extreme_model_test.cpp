@@ -66,8 +66,8 @@ TEST(ExtremeModel, BlockLowerThanHalfAPitchIsWrittenInEveryFormat) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     for (const StockShape& stock : {StockShape(BoxStock{{0, 0, 0}, {60, 40, 0.49}}),
                                     StockShape(CylinderStock{0, 0, 30, 0, 0.2})}) {
-      SculptureSettings settings{.stock = stock, .rays = rays, .pitch_mm = 1};
-      const SolidSnapshot solid = Sculpture::create(settings)->solid();
+      const SolidSnapshot solid =
+          Sculpture::create({.stock = stock, .rays = rays, .pitch_mm = 1})->solid();
       SnapshotMesh mesh(solid);
       EXPECT_GT(collect_mesh(mesh).triangles.size(), 0U);
       expect_writable_everywhere(solid);

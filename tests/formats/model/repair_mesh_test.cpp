@@ -59,10 +59,10 @@ TriangleMesh ball(Vec3 center, double radius_mm, unsigned rings) {
 
 double volume_mm3(const TriangleMesh& mesh) {
   EXPECT_EQ(mesh_stock_fault(mesh), "");
-  SculptureSettings settings{.stock = mesh_bounds(mesh),
-                             .stock_mesh = std::make_shared<const TriangleMesh>(mesh),
-                             .pitch_mm = 0.25};
-  const auto sculpture = Sculpture::create(settings);
+  const auto sculpture =
+      Sculpture::create({.stock = mesh_bounds(mesh),
+                         .stock_mesh = std::make_shared<const TriangleMesh>(mesh),
+                         .pitch_mm = 0.25});
   EXPECT_TRUE(sculpture);
   return sculpture ? sculpture->stock_volume_mm3() : 0;
 }

@@ -10,8 +10,7 @@ namespace {
 const Vec3 kUp{0, 0, 1};
 
 Sculpture block(double pitch_mm = 0.5) {
-  SculptureSettings settings{.stock = BoxStock{{0, 0, 0}, {40, 40, 20}}, .pitch_mm = pitch_mm};
-  auto s = *Sculpture::create(settings);
+  auto s = *Sculpture::create({.stock = BoxStock{{0, 0, 0}, {40, 40, 20}}, .pitch_mm = pitch_mm});
   s.apply(DefineTool{1, *make_tool(FlatShape{10, 5})}).value();
   s.apply(DefineTool{2, *make_tool(BallShape{6, 30})}).value();
   return s;
@@ -238,8 +237,7 @@ TEST(Cut, StoresOnlyTheTilesItChanges) {
 }
 
 TEST(Cut, CylinderStockIsRound) {
-  SculptureSettings settings{.stock = CylinderStock{10, -5, 20, 0, 30}, .pitch_mm = 0.1};
-  auto s = *Sculpture::create(settings);
+  auto s = *Sculpture::create({.stock = CylinderStock{10, -5, 20, 0, 30}, .pitch_mm = 0.1});
   EXPECT_NEAR(s.stock_volume_mm3() / (M_PI * 400 * 30), 1, 1e-3);
   EXPECT_NEAR(s.snapshot().volume_mm3(), s.stock_volume_mm3(), 1e-6);
   s.apply(DefineTool{1, *make_tool(FlatShape{100, 50})}).value();

@@ -11,9 +11,8 @@ namespace {
 const Vec3 kUp{0, 0, 1};
 
 Sculpture block(const StockShape& stock, Rays rays, const ToolShape& shape) {
-  SculptureSettings settings{
-      .stock = stock, .rays = rays, .pitch_mm = 0.25, .force = {.pivot_mm = 40}};
-  auto s = *Sculpture::create(settings);
+  auto s = *Sculpture::create(
+      {.stock = stock, .rays = rays, .pitch_mm = 0.25, .force = {.pivot_mm = 40}});
   s.apply(DefineTool{1, *make_tool(shape)}).value();
   return s;
 }

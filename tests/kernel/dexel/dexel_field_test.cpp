@@ -13,8 +13,7 @@ namespace {
 const Vec3 kUp{0, 0, 1};
 
 Sculpture block(const StockShape& stock, double pitch_mm, Rays rays = Rays::kDexel) {
-  SculptureSettings settings{.stock = stock, .rays = rays, .pitch_mm = pitch_mm};
-  auto s = *Sculpture::create(settings);
+  auto s = *Sculpture::create({.stock = stock, .rays = rays, .pitch_mm = pitch_mm});
   s.apply(DefineTool{1, *make_tool(BallShape{10, 50})}).value();
   return s;
 }
@@ -143,9 +142,9 @@ TEST(Field, MemoryIsProportionalToTouchedArea) {
 
 /// Returns the bytes per column of a block that is touched everywhere.
 double bytes_of_a_column(bool keep_normals) {
-  SculptureSettings settings{
-      .stock = BoxStock{{0, 0, 0}, {400, 400, 20}}, .pitch_mm = 0.2, .keep_normals = keep_normals};
-  auto s = *Sculpture::create(settings);
+  auto s = *Sculpture::create({.stock = BoxStock{{0, 0, 0}, {400, 400, 20}},
+                               .pitch_mm = 0.2,
+                               .keep_normals = keep_normals});
   EXPECT_TRUE(s.apply(DefineTool{1, *make_tool(BallShape{6, 40})}));
   const std::size_t before = s.memory_bytes();
   std::size_t tiles = 0;
@@ -175,11 +174,10 @@ TEST(Field, CarvingScalesByPowersOfTwoToTheBit) {
   // The same job scaled by powers of two gives the same columns to the bit.
   std::vector<std::vector<Dexel>> first;
   for (const double scale : {1.0, 16.0, 1.0 / 16}) {
-    SculptureSettings settings{.stock = BoxStock{{0, 0, 0}, {scale, scale, scale}},
-                               .rays = Rays::kTriDexel,
-                               .pitch_mm = scale / 64,
-                               .tolerance_mm = 1e-6};
-    auto s = *Sculpture::create(settings);
+    auto s = *Sculpture::create({.stock = BoxStock{{0, 0, 0}, {scale, scale, scale}},
+                                 .rays = Rays::kTriDexel,
+                                 .pitch_mm = scale / 64,
+                                 .tolerance_mm = 1e-6});
     s.apply(DefineTool{1, *make_tool(FlatShape{0.25 * scale, 2 * scale})}).value();
     s.apply(MoveTool{1, {Vec3{.25, .3, .6} * scale, kUp}, {Vec3{.7, .6, .5} * scale, kUp}, 1})
         .value();

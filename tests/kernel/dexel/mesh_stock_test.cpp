@@ -71,9 +71,9 @@ TriangleMesh random_bodies(unsigned seed) {
 }
 
 Sculpture sculpture_of(const TriangleMesh& mesh, double pitch_mm, Rays rays = Rays::kDexel) {
-  SculptureSettings settings{
-      .stock_mesh = std::make_shared<const TriangleMesh>(mesh), .rays = rays, .pitch_mm = pitch_mm};
-  auto made = Sculpture::create(settings);
+  auto made = Sculpture::create({.stock_mesh = std::make_shared<const TriangleMesh>(mesh),
+                                 .rays = rays,
+                                 .pitch_mm = pitch_mm});
   EXPECT_TRUE(made) << made.error().reason;
   return *std::move(made);
 }
@@ -162,8 +162,8 @@ TEST(MeshStock, AllFieldsRepresentTheSameSolid) {
 
 TEST(MeshStock, CutsLikeABox) {
   Sculpture mesh = sculpture_of(box_mesh({0, 0, 0}, {20, 20, 10}), 0.25);
-  SculptureSettings settings{.stock = BoxStock{{0, 0, 0}, {20, 20, 10}}, .pitch_mm = 0.25};
-  Sculpture box = *Sculpture::create(settings);
+  Sculpture box =
+      *Sculpture::create({.stock = BoxStock{{0, 0, 0}, {20, 20, 10}}, .pitch_mm = 0.25});
   for (Sculpture* s : {&mesh, &box}) {
     ASSERT_TRUE(s->apply(DefineTool{1, make_tool(BallShape{6, 40}).value()}));
     ASSERT_TRUE(s->apply(MoveTool{1, {{3, 3, 7}}, {{17, 12, 5}}, 1, true}));
@@ -198,8 +198,7 @@ TEST(MeshStock, NormalsAreThoseOfTheTriangles) {
 
 TEST(MeshStock, OpenMeshIsRejectedWithCountsAndPosition) {
   const auto rejection = [](const TriangleMesh& mesh) {
-    SculptureSettings settings{.stock_mesh = std::make_shared<const TriangleMesh>(mesh)};
-    const auto made = Sculpture::create(settings);
+    const auto made = Sculpture::create({.stock_mesh = std::make_shared<const TriangleMesh>(mesh)});
     EXPECT_FALSE(made);
     if (made) return std::string();
     EXPECT_EQ(made.error().code, SculptureErrorCode::kBadStock);

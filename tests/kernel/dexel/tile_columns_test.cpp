@@ -13,11 +13,10 @@ namespace kerf::tile_columns_test {
 namespace {
 
 Sculpture block(Rays rays) {
-  SculptureSettings settings{.stock = BoxStock{{0, 0, 0}, {30, 22, 12}},
-                             .rays = rays,
-                             .pitch_mm = 0.4,
-                             .keep_normals = false};
-  auto s = *Sculpture::create(settings);
+  auto s = *Sculpture::create({.stock = BoxStock{{0, 0, 0}, {30, 22, 12}},
+                               .rays = rays,
+                               .pitch_mm = 0.4,
+                               .keep_normals = false});
   s.apply(DefineTool{1, *make_tool(BallShape{5, 40})}).value();
   return s;
 }

@@ -20,12 +20,11 @@ struct Setup {
 };
 
 Sculpture block(const Setup& setup) {
-  SculptureSettings s{.stock = BoxStock{{-8, -8, -12}, {8, 8, 0}},
-                      .rays = setup.rays,
-                      .pitch_mm = setup.pitch_mm,
-                      .tolerance_mm = 0.001,
-                      .force = {setup.law, kSpecific, 0.01, 60}};
-  auto sculpture = *Sculpture::create(s);
+  auto sculpture = *Sculpture::create({.stock = BoxStock{{-8, -8, -12}, {8, 8, 0}},
+                                       .rays = setup.rays,
+                                       .pitch_mm = setup.pitch_mm,
+                                       .tolerance_mm = 0.001,
+                                       .force = {setup.law, kSpecific, 0.01, 60}});
   sculpture.apply(DefineTool{1, *make_tool(setup.shape)}).value();
   return sculpture;
 }

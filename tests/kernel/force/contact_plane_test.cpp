@@ -11,10 +11,9 @@ const Vec3 kUp{0, 0, 1};
 
 /// Returns a block with a ball next to it, and tool 1: a cutter of 2 mm with a shank of 10 mm.
 Sculpture block_and_ball() {
-  SculptureSettings settings{.stock = BoxStock{{0, -20, -20}, {20, 20, 20}},
-                             .pitch_mm = 0.5,
-                             .obstacles = {{SphereObstacle{{-12, 0, 0}, 6}, 2}}};
-  auto s = *Sculpture::create(settings);
+  auto s = *Sculpture::create({.stock = BoxStock{{0, -20, -20}, {20, 20, 20}},
+                               .pitch_mm = 0.5,
+                               .obstacles = {{SphereObstacle{{-12, 0, 0}, 6}, 2}}});
   ToolBody body{.shank = Shank{10, 100}};
   s.apply(DefineTool{1, *make_tool(FlatShape{2, 10}, body)}).value();
   return s;

@@ -16,11 +16,10 @@ constexpr double kDrr = 0.01;
 constexpr double kPivot = 60;
 
 Sculpture block(ForceLaw law, const ToolShape& shape, double pitch_mm = 0.1) {
-  SculptureSettings settings{.stock = BoxStock{{-20, -20, -20}, {20, 20, 0}},
-                             .pitch_mm = pitch_mm,
-                             .tolerance_mm = 0.001,
-                             .force = {law, kSpecific, kDrr, kPivot}};
-  auto s = *Sculpture::create(settings);
+  auto s = *Sculpture::create({.stock = BoxStock{{-20, -20, -20}, {20, 20, 0}},
+                               .pitch_mm = pitch_mm,
+                               .tolerance_mm = 0.001,
+                               .force = {law, kSpecific, kDrr, kPivot}});
   s.apply(DefineTool{1, *make_tool(shape)}).value();
   return s;
 }
@@ -209,12 +208,11 @@ TEST(Force, SwivelDoesTheWorkOfTheRemovedVolume) {
 /// the greatest force of the swivel over that of the slot.
 double swivel_over_slot(const ToolShape& shape, Rays rays, Vec3 about) {
   constexpr double kTickRad = 0.01;
-  SculptureSettings settings{.stock = BoxStock{{-15, -15, -10}, {15, 15, 0}},
-                             .rays = rays,
-                             .pitch_mm = 0.2,
-                             .tolerance_mm = 0.002,
-                             .force = {ForceLaw::kSpecificEnergy, kSpecific, kDrr, kPivot}};
-  Sculpture b = *Sculpture::create(settings);
+  Sculpture b = *Sculpture::create({.stock = BoxStock{{-15, -15, -10}, {15, 15, 0}},
+                                    .rays = rays,
+                                    .pitch_mm = 0.2,
+                                    .tolerance_mm = 0.002,
+                                    .force = {ForceLaw::kSpecificEnergy, kSpecific, kDrr, kPivot}});
   b.apply(DefineTool{1, *make_tool(shape)}).value();
   Vec3 tip{-8, 0.02, -3};
   b.apply(MoveTool{1, {{-25, 0.02, -3}, kUp}, {tip, kUp}, 1, false}).value();

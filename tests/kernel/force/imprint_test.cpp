@@ -25,13 +25,12 @@ struct Case {
 };
 
 Sculpture block(const Case& c, const Tool& tool) {
-  SculptureSettings s{.stock = BoxStock{{-9, -9, -14}, {9, 9, 0}},
-                      .rays = c.rays,
-                      .pitch_mm = c.pitch_mm,
-                      .tolerance_mm = c.tolerance_mm,
-                      .motion = c.motion,
-                      .force = {c.law, 0.5, 0.01, 60}};
-  auto sculpture = *Sculpture::create(s);
+  auto sculpture = *Sculpture::create({.stock = BoxStock{{-9, -9, -14}, {9, 9, 0}},
+                                       .rays = c.rays,
+                                       .pitch_mm = c.pitch_mm,
+                                       .tolerance_mm = c.tolerance_mm,
+                                       .motion = c.motion,
+                                       .force = {c.law, 0.5, 0.01, 60}});
   sculpture.apply(DefineTool{1, tool}).value();
   return sculpture;
 }

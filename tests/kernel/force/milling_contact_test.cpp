@@ -12,13 +12,13 @@ namespace {
 const Vec3 kUp{0, 0, 1};
 
 Sculpture block(const MillingSettings& milling, Rays rays) {
-  SculptureSettings s{.stock = BoxStock{{-12, -12, -4}, {12, 12, 0}},
-                      .rays = rays,
-                      .pitch_mm = 0.1,
-                      .tolerance_mm = 0.001,
-                      .keep_normals = false,
-                      .force = {.law = ForceLaw::kMechanistic, .milling = milling}};
-  Sculpture result = *Sculpture::create(s);
+  Sculpture result =
+      *Sculpture::create({.stock = BoxStock{{-12, -12, -4}, {12, 12, 0}},
+                          .rays = rays,
+                          .pitch_mm = 0.1,
+                          .tolerance_mm = 0.001,
+                          .keep_normals = false,
+                          .force = {.law = ForceLaw::kMechanistic, .milling = milling}});
   result.apply(DefineTool{1, *make_tool(FlatShape{6, 30})}).value();
   return result;
 }

@@ -16,18 +16,17 @@ struct Slot {
 
 /// Returns the greatest change of the force from one tick to the next, over the mean force.
 double greatest_step(const Slot& slot) {
-  SculptureSettings s{.stock = BoxStock{{-9, -9, -slot.depth_mm - 1}, {9, 9, 0}},
-                      .rays = slot.rays,
-                      .pitch_mm = slot.pitch_mm,
-                      .tolerance_mm = 0.001,
-                      .keep_normals = false,
-                      .force = {.law = ForceLaw::kMechanistic,
-                                .milling = {.spindle_rpm = 12000,
-                                            .teeth = 2,
-                                            .ripple_hz = 0,
-                                            .cut_n_per_mm2 = {800, 300, 200},
-                                            .edge_n_per_mm = {20, 30, 5}}}};
-  Sculpture block = *Sculpture::create(s);
+  Sculpture block = *Sculpture::create({.stock = BoxStock{{-9, -9, -slot.depth_mm - 1}, {9, 9, 0}},
+                                        .rays = slot.rays,
+                                        .pitch_mm = slot.pitch_mm,
+                                        .tolerance_mm = 0.001,
+                                        .keep_normals = false,
+                                        .force = {.law = ForceLaw::kMechanistic,
+                                                  .milling = {.spindle_rpm = 12000,
+                                                              .teeth = 2,
+                                                              .ripple_hz = 0,
+                                                              .cut_n_per_mm2 = {800, 300, 200},
+                                                              .edge_n_per_mm = {20, 30, 5}}}});
   block.apply(DefineTool{1, *make_tool(FlatShape{12, 30})}).value();
   const Vec3 along{std::cos(slot.angle_rad), std::sin(slot.angle_rad), 0};
   const auto at = [&](double ticks) {

@@ -27,12 +27,12 @@ class Mill {
 
  private:
   static Sculpture make(Rays rays) {
-    SculptureSettings settings{
-        .stock = BoxStock{{-15, -15, -10}, {15, 15, 0}},
-        .rays = rays,
-        .pitch_mm = 0.25,
-        .force = {.law = ForceLaw::kSpecificEnergy, .specific_force_n_per_mm2 = 0.5}};
-    Sculpture block = Sculpture::create(settings).value();
+    Sculpture block = Sculpture::create({.stock = BoxStock{{-15, -15, -10}, {15, 15, 0}},
+                                         .rays = rays,
+                                         .pitch_mm = 0.25,
+                                         .force = {.law = ForceLaw::kSpecificEnergy,
+                                                   .specific_force_n_per_mm2 = 0.5}})
+                          .value();
     block.apply(DefineTool{1, make_tool(FlatShape{6, 40}).value()}).value();
     return block;
   }

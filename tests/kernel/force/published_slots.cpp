@@ -26,13 +26,13 @@ std::vector<SlotMean> at_feeds(const std::vector<Vec3>& forces_n) {
 
 /// Returns the mean force on the tool in a slot along +X.
 Vec3 computed(const PublishedSlots& slots, const SlotMean& mean, const MillingSettings& milling) {
-  SculptureSettings s{.stock = BoxStock{{-12, -14, -6}, {28, 14, 0}},
-                      .rays = Rays::kTriDexel,
-                      .pitch_mm = slots.pitch_mm,
-                      .tolerance_mm = 0.001,
-                      .keep_normals = false,
-                      .force = {.law = ForceLaw::kMechanistic, .milling = milling}};
-  Sculpture block = *Sculpture::create(s);
+  Sculpture block =
+      *Sculpture::create({.stock = BoxStock{{-12, -14, -6}, {28, 14, 0}},
+                          .rays = Rays::kTriDexel,
+                          .pitch_mm = slots.pitch_mm,
+                          .tolerance_mm = 0.001,
+                          .keep_normals = false,
+                          .force = {.law = ForceLaw::kMechanistic, .milling = milling}});
   block.apply(DefineTool{1, slots.tool}).value();
   constexpr double kStepMm = 0.1;
   constexpr int kLead = 20, kTicks = 60;

@@ -155,9 +155,8 @@ TEST(StockContact, MatchesBruteForceOverAllColumns) {
 }
 
 TEST(StockContact, IsReportedByAMotionAndAddedToItsForce) {
-  SculptureSettings settings{
-      .stock = kBlock, .pitch_mm = kPitch, .force = {.contact_stiffness_n_per_mm = 3}};
-  auto s = *Sculpture::create(settings);
+  auto s = *Sculpture::create(
+      {.stock = kBlock, .pitch_mm = kPitch, .force = {.contact_stiffness_n_per_mm = 3}});
   s.apply(DefineTool{1, tool_with_shank(10)}).value();
   // A cutter of 2 mm drills 15 mm deep; its shank starts at a height of 10 mm.
   const auto free = s.apply(MoveTool{1, {{10, 0, 30}, kUp}, {{10, 0, 10.5}, kUp}, 0.1}).value();
@@ -174,8 +173,7 @@ TEST(StockContact, IsReportedByAMotionAndAddedToItsForce) {
 }
 
 TEST(StockContact, IsFoundAlongTheMotion) {
-  SculptureSettings settings{.stock = kBlock, .pitch_mm = kPitch};
-  auto s = *Sculpture::create(settings);
+  auto s = *Sculpture::create({.stock = kBlock, .pitch_mm = kPitch});
   s.apply(DefineTool{1, tool_with_shank(10)}).value();
   // The shank's lower end passes 2 mm below the block's top, from one side to the other.
   const auto r = s.apply(MoveTool{1, {{-10, 0, 8}, kUp}, {{40, 0, 8}, kUp}, 1}).value();

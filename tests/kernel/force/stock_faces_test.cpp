@@ -11,8 +11,8 @@ const Vec3 kUp{0, 0, 1};
 
 /// Returns a block with its top at z = 0 and a tool 1.
 Sculpture block(const ToolShape& shape, double pitch_mm = 0.25) {
-  SculptureSettings settings{.stock = BoxStock{{-20, -20, -20}, {20, 20, 0}}, .pitch_mm = pitch_mm};
-  auto s = *Sculpture::create(settings);
+  auto s =
+      *Sculpture::create({.stock = BoxStock{{-20, -20, -20}, {20, 20, 0}}, .pitch_mm = pitch_mm});
   s.apply(DefineTool{1, *make_tool(shape)}).value();
   return s;
 }

@@ -26,9 +26,8 @@ TEST(ExtremeBlock, LowerThanHalfAPitchKeepsItsVolume) {
   for (const double height : {0.5, 0.4999999, 0.3, 0.25, 0.01, 1e-4}) {
     for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
       SCOPED_TRACE(std::to_string(height) + " " + to_string(rays));
-      SculptureSettings settings{
-          .stock = BoxStock{{-7, 3, 5}, {73, 33, 5 + 2 * height}}, .rays = rays, .pitch_mm = 2};
-      Sculpture sculpture = *Sculpture::create(settings);
+      Sculpture sculpture = *Sculpture::create(
+          {.stock = BoxStock{{-7, 3, 5}, {73, 33, 5 + 2 * height}}, .rays = rays, .pitch_mm = 2});
       const MeshReport report = test::check_mesh(test::mesh_all(sculpture.solid()));
       expect_closed(report);
       EXPECT_NEAR(report.volume_mm3 / (80 * 30 * 2 * height), 1, 1e-5);
@@ -37,8 +36,8 @@ TEST(ExtremeBlock, LowerThanHalfAPitchKeepsItsVolume) {
 }
 
 TEST(ExtremeBlock, LowCylinderKeepsItsVolume) {
-  SculptureSettings settings{.stock = CylinderStock{3, -2, 40, 0, 0.2}, .pitch_mm = 1};
-  Sculpture sculpture = *Sculpture::create(settings);
+  Sculpture sculpture =
+      *Sculpture::create({.stock = CylinderStock{3, -2, 40, 0, 0.2}, .pitch_mm = 1});
   const MeshReport report = test::check_mesh(test::mesh_all(sculpture.solid()));
   expect_closed(report);
   EXPECT_NEAR(report.volume_mm3 / sculpture.solid().fields.front().volume_mm3(), 1, 0.02);

@@ -88,9 +88,8 @@ struct TwoSlots {
 
 void expect_sound(const TwoSlots& cut) {
   SCOPED_TRACE(to_string(cut.rays));
-  SculptureSettings settings{
-      .stock = BoxStock{{0, 0, 0}, {6, 6, 4}}, .rays = cut.rays, .pitch_mm = 1};
-  auto sculpture = *Sculpture::create(settings);
+  auto sculpture = *Sculpture::create(
+      {.stock = BoxStock{{0, 0, 0}, {6, 6, 4}}, .rays = cut.rays, .pitch_mm = 1});
   sculpture.apply(DefineTool{1, *make_tool(FlatShape{1.5, 9})}).value();
   for (const auto& [axis, from, to] : cut.slots) {
     sculpture.apply(MoveTool{1, {from, axis}, {to, axis}, 0.01, false}).value();
@@ -141,9 +140,8 @@ TEST(SelfIntersection, StandardJobsHaveNone) {
 TEST(SelfIntersection, ExportsHaveNone) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     for (unsigned seed = 1; seed <= 2; ++seed) {
-      SculptureSettings settings{
-          .stock = BoxStock{{0, 0, 0}, {90, 70, 12}}, .rays = rays, .pitch_mm = 0.5};
-      auto sculpture = *Sculpture::create(settings);
+      auto sculpture = *Sculpture::create(
+          {.stock = BoxStock{{0, 0, 0}, {90, 70, 12}}, .rays = rays, .pitch_mm = 0.5});
       test::RandomCarver carver(sculpture, {-2, 10, 5}, {12, 30, 13}, seed);
       for (int n = 0; n < 4; ++n) carver.cut();
       SolidSurface surface(sculpture.solid());

@@ -7,8 +7,7 @@ namespace kerf::sharp_surface_test {
 namespace {
 
 Sculpture sculpture_of(const StockShape& stock, double pitch_mm, Rays rays) {
-  SculptureSettings s{.stock = stock, .rays = rays, .pitch_mm = pitch_mm};
-  return *Sculpture::create(s);
+  return *Sculpture::create({.stock = stock, .rays = rays, .pitch_mm = pitch_mm});
 }
 
 /// Calls visit(position in the scene, normal) for every vertex.

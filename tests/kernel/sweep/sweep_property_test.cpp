@@ -111,11 +111,10 @@ double error_of(const Tool& tool, const ToolPose& a, const ToolPose& b, double x
 
 void check_motion(const Tool& tool, const ToolPose& a, const ToolPose& b, MotionModel model,
                   double tolerance, const std::string& what) {
-  SculptureSettings settings{.stock = BoxStock{{-24, -24, -kDepth}, {24, 24, 0}},
-                             .pitch_mm = 1.3,
-                             .tolerance_mm = tolerance,
-                             .motion = model};
-  auto sculpture = *Sculpture::create(settings);
+  auto sculpture = *Sculpture::create({.stock = BoxStock{{-24, -24, -kDepth}, {24, 24, 0}},
+                                       .pitch_mm = 1.3,
+                                       .tolerance_mm = tolerance,
+                                       .motion = model});
   ASSERT_TRUE(sculpture.apply(DefineTool{1, tool}));
   const auto moved = sculpture.apply(MoveTool{1, a, b, 0.01});
   ASSERT_TRUE(moved) << what << ": " << moved.error().reason;
@@ -176,11 +175,10 @@ TEST_P(TightModel, NeedsTheSquareRootOfThePaperModelsSubMotions) {
   const ToolPose a{{0, 0, -4}, {0, 0, 1}};
   const ToolPose b{{1, 0, -4}, normalized({0.0436, 0, 1})};
   const auto parts = [&](MotionModel model, double tolerance) {
-    SculptureSettings settings{.stock = BoxStock{{-24, -24, -kDepth}, {24, 24, 0}},
-                               .pitch_mm = 4,
-                               .tolerance_mm = tolerance,
-                               .motion = model};
-    auto sculpture = *Sculpture::create(settings);
+    auto sculpture = *Sculpture::create({.stock = BoxStock{{-24, -24, -kDepth}, {24, 24, 0}},
+                                         .pitch_mm = 4,
+                                         .tolerance_mm = tolerance,
+                                         .motion = model});
     sculpture.apply(DefineTool{1, tool}).value();
     return double(sculpture.apply(MoveTool{1, a, b, 0.01}).value().sub_motions);
   };
@@ -205,8 +203,8 @@ TEST(Sweep, RampAtExactlyTheConeAngleCutsItsFullVolume) {
   // A 90 degree V-bit on a ramp of 45 degrees: a known failure of some simulators, which lose the
   // whole cut.
   const auto removed = [](double slope) {
-    SculptureSettings settings{.stock = BoxStock{{-5, -5, -10}, {15, 5, 0}}, .pitch_mm = 0.05};
-    auto sculpture = *Sculpture::create(settings);
+    auto sculpture =
+        *Sculpture::create({.stock = BoxStock{{-5, -5, -10}, {15, 5, 0}}, .pitch_mm = 0.05});
     sculpture.apply(DefineTool{1, *make_tool(ConeEndShape{8, 90, 30})}).value();
     const Vec3 up{0, 0, 1};
     return sculpture.apply(MoveTool{1, {{0, 0, 0}, up}, {{3, 0, -3 * slope}, up}, 0.01})

@@ -9,8 +9,7 @@ const Vec3 kUp{0, 0, 1};
 
 /// A block that is large enough for a slot along x; its rays run along Z.
 Sculpture block() {
-  SculptureSettings settings{.stock = BoxStock{{0, -20, -20}, {60, 20, 0}}, .pitch_mm = 0.1};
-  return *Sculpture::create(settings);
+  return *Sculpture::create({.stock = BoxStock{{0, -20, -20}, {60, 20, 0}}, .pitch_mm = 0.1});
 }
 
 /// Moves a tool through the whole block along x, its tip 15 mm below the top.

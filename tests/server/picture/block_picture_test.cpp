@@ -15,8 +15,7 @@ namespace {
 constexpr auto kNoProgress = [](double) {};
 
 Sculpture block_of(const BoxStock& box) {
-  SculptureSettings settings{.stock = box, .pitch_mm = 0.25};
-  return *Sculpture::create(settings);
+  return *Sculpture::create({.stock = box, .pitch_mm = 0.25});
 }
 
 Sculpture grooved() {

@@ -9,8 +9,7 @@ namespace kerf::column_ray_test {
 namespace {
 
 Sculpture block_of(const StockShape& stock, double pitch_mm) {
-  SculptureSettings settings{.stock = stock, .pitch_mm = pitch_mm, .tolerance_mm = 0.001};
-  return *Sculpture::create(settings);
+  return *Sculpture::create({.stock = stock, .pitch_mm = pitch_mm, .tolerance_mm = 0.001});
 }
 
 void carve(Sculpture& block, const ToolShape& shape, Vec3 from, Vec3 to) {

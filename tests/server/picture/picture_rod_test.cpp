@@ -50,8 +50,7 @@ TEST(PictureRod, HitAgreesWithAFineMarch) {
 }
 
 TEST(PictureRod, IsDrawnInFrontOfTheBlockAndHiddenBehindIt) {
-  SculptureSettings settings{.stock = BoxStock{{0, 0, 0}, {16, 12, 6}}};
-  auto block = Sculpture::create(settings).value();
+  auto block = Sculpture::create({.stock = BoxStock{{0, 0, 0}, {16, 12, 6}}}).value();
   const auto red_pixels = [&](Vec3 from, Vec3 to) {
     PictureStyle style{.width = 64, .height = 48, .rods = {{from, to, 0.5, 0.5, {1, 0, 0}}}};
     const Picture picture = render_block(block.snapshot(), style, [](double) {}, {}).value();
