@@ -14,6 +14,7 @@ import { photograph } from './support/pictures.mjs';
 import { gltfErrors, stlFacts, tilesOf } from './support/checks.mjs';
 import { METER, read, reset } from './support/meter.mjs';
 import { run, start, stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 import { WireViewer } from './support/wire_viewer.mjs';
 
@@ -23,21 +24,13 @@ const options = optionsOf(['server', 'agent', 'carve', 'web', 'out'], {
 
 const SESSION = 'e2e';
 const SETTLE_S = 90; // software WebGL on a busy machine
-const SCENE = {
-  name: 'end to end',
-  stock: { shape: 'box', min_mm: [-30, -30, -20], max_mm: [30, 30, 0] },
-  accuracy: {
-    rays: 'dexel',
-    pitch_mm: 0.5,
-    tolerance_mm: 0.01,
-    motion: 'tight',
-  },
-  tools: [
-    { id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 },
-    { id: 2, shape: 'flat', diameter_mm: 4, length_mm: 30 },
-  ],
-  machine: { kinematics: 'tool-vector' }, // the agents tilt their tools
-};
+const SCENE = boxScene(
+  'end to end',
+  [-30, -30, -20],
+  [30, 30, 0],
+  [cutter(1, 'ball', 6), cutter(2, 'flat', 4)],
+  { machine: { kinematics: 'tool-vector' } }, // the agents tilt their tools
+);
 
 let step = 0;
 function logStep(text) {

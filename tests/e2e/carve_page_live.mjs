@@ -12,6 +12,7 @@ import { placeOf, restingBlock } from './support/block.mjs';
 import { openViewer, withBrowser } from './support/browser.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { run, start, stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { optionsOf, runTest } from './support/session.mjs';
 import { slowLine } from './support/slow_line.mjs';
 import { stlCorners, volumeOf } from './support/surface.mjs';
@@ -24,21 +25,13 @@ const SIZES = [
   [390, 844],
   [844, 390],
 ];
-const SCENE = {
-  name: 'Carve here',
-  stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
-  accuracy: {
-    rays: 'dexel',
-    pitch_mm: 0.5,
-    tolerance_mm: 0.01,
-    motion: 'tight',
-  },
-  tools: [
-    { id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 },
-    { id: 4, shape: 'flat', diameter_mm: 8, length_mm: 30 },
-  ],
-  machine: { kinematics: 'tool-vector' },
-};
+const SCENE = boxScene(
+  'Carve here',
+  [-20, -15, -10],
+  [20, 15, 0],
+  [cutter(1, 'ball', 6), cutter(4, 'flat', 8)],
+  { machine: { kinematics: 'tool-vector' } },
+);
 const BLOCK_MM3 = 40 * 30 * 10;
 const DEPTH_MM = 1.5; // half the radius of the first tool
 /** Of a frame's header, and a type of frame (server/wire/README.md). */

@@ -12,23 +12,14 @@ import { join } from 'node:path';
 import { openViewer, withBrowser } from './support/browser.mjs';
 import { meshRelay } from './support/mesh_relay.mjs';
 import { stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 
 const options = optionsOf(['server', 'web', 'out']);
 
 const SETTLE_S = 60; // software WebGL on a busy machine
 const VIEWPORT = { width: 1000, height: 700 };
-const SCENE = {
-  name: 'Checked',
-  stock: { shape: 'box', min_mm: [0, 0, -6], max_mm: [24, 16, 0] },
-  accuracy: {
-    rays: 'dexel',
-    pitch_mm: 0.5,
-    tolerance_mm: 0.01,
-    motion: 'tight',
-  },
-  tools: [{ id: 1, shape: 'ball', diameter_mm: 4, length_mm: 30 }],
-};
+const SCENE = boxScene('Checked', [0, 0, -6], [24, 16, 0], [cutter(1, 'ball', 4)]);
 
 function groove(session, y) {
   const lines = ['G21 G90', 'T1 M6', 'S10000 M3', `G0 X2 Y${y} Z5`, 'G1 Z-2 F600'];

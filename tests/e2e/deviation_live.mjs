@@ -12,6 +12,7 @@ import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
 import { countPixels, untilStill } from './support/pictures.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 
 const options = optionsOf(['server', 'web', 'out']);
@@ -24,17 +25,9 @@ const SIZES = [
 ];
 const TOO_DEEP_MM = 0.3;
 const GROOVE_MM = 4;
-const SCENE = {
-  name: 'Bracket',
-  stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
-  accuracy: {
-    rays: 'tri-dexel',
-    pitch_mm: 0.5,
-    tolerance_mm: 0.01,
-    motion: 'tight',
-  },
-  tools: [{ id: 1, shape: 'flat', diameter_mm: GROOVE_MM, length_mm: 30 }],
-};
+const SCENE = boxScene('Bracket', [-20, -15, -10], [20, 15, 0], [cutter(1, 'flat', GROOVE_MM)], {
+  accuracy: { rays: 'tri-dexel' },
+});
 
 /** Two grooves along X; `depth` of the first, `end` of the second. */
 function program(depth, end) {

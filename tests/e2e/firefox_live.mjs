@@ -13,24 +13,16 @@ import { openInFirefox, withFirefox } from './support/firefox.mjs';
 import { intersecting } from './support/layout.mjs';
 import { stillShot } from './support/pictures.mjs';
 import { stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 import { assertSameSurface, sectionArea, stlCorners } from './support/surface.mjs';
 
 const options = optionsOf(['server', 'web', 'out']);
 
 const SETTLE_S = 90; // software WebGL on a busy machine
-const SCENE = {
-  name: 'In Firefox',
-  stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
-  accuracy: {
-    rays: 'dexel',
-    pitch_mm: 0.5,
-    tolerance_mm: 0.01,
-    motion: 'tight',
-  },
-  tools: [{ id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 }],
+const SCENE = boxScene('In Firefox', [-20, -15, -10], [20, 15, 0], [cutter(1, 'ball', 6)], {
   machine: { kinematics: 'tool-vector' },
-};
+});
 const PROGRAM = `G21 G90
 T1 M6
 S10000 M3

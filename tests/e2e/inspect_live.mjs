@@ -13,6 +13,7 @@ import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
 import { countPixels } from './support/pictures.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 import { sectionArea, stlCorners } from './support/surface.mjs';
 
@@ -24,17 +25,9 @@ const SIZES = [
   [390, 844],
   [640, 480],
 ];
-const SCENE = {
-  name: 'Wall',
-  stock: { shape: 'box', min_mm: [-12, -10, -8], max_mm: [12, 10, 0] },
-  accuracy: {
-    rays: 'tri-dexel',
-    pitch_mm: 0.5,
-    tolerance_mm: 0.01,
-    motion: 'tight',
-  },
-  tools: [{ id: 1, shape: 'flat', diameter_mm: 4, length_mm: 30 }],
-};
+const SCENE = boxScene('Wall', [-12, -10, -8], [12, 10, 0], [cutter(1, 'flat', 4)], {
+  accuracy: { rays: 'tri-dexel' },
+});
 /** Two grooves, between which a wall of 3 mm stays (y from -4 to -1), and a round hole. */
 const PROGRAM = `G21 G90
 T1 M6

@@ -10,17 +10,15 @@ import { request } from 'node:https';
 import { join } from 'node:path';
 import { openViewer, withBrowser } from './support/browser.mjs';
 import { run, start, stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { optionsOf, runTest } from './support/session.mjs';
 
 const options = optionsOf(['server', 'web']);
 
 const SETTLE_S = 90; // software WebGL on a busy machine
-const SCENE = {
-  name: 'invitation',
-  stock: { shape: 'box', min_mm: [-10, -10, -10], max_mm: [10, 10, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 1, tolerance_mm: 0.01, motion: 'tight' },
-  tools: [{ id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 }],
-};
+const SCENE = boxScene('invitation', [-10, -10, -10], [10, 10, 0], [cutter(1, 'ball', 6)], {
+  accuracy: { pitch_mm: 1 },
+});
 
 /** Sends a request over TLS, with the server's own certificate as the authority. */
 function ask(url, { method = 'GET', token, body, ca }) {

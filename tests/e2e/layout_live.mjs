@@ -13,6 +13,7 @@ import { checkAccessible } from './support/axe.mjs';
 import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
 import { boxesIn, intersecting, outside } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { carveProgram, optionsOf, runTest, startServer } from './support/session.mjs';
 import { clashesIn } from './support/texts.mjs';
 
@@ -40,20 +41,12 @@ const ALL = [
   [2560, 1440],
 ];
 const SIZES = options.sizes === 'all' ? ALL : SOME;
-const SCENE = {
-  name: 'Wall',
-  stock: { shape: 'box', min_mm: [-12, -10, -8], max_mm: [12, 10, 0] },
-  accuracy: {
-    rays: 'dexel',
-    pitch_mm: 0.5,
-    tolerance_mm: 0.01,
-    motion: 'tight',
-  },
-  tools: [
-    { id: 1, shape: 'flat', diameter_mm: 6, length_mm: 30 },
-    { id: 2, shape: 'ball', diameter_mm: 4, length_mm: 30 },
-  ],
-};
+const SCENE = boxScene(
+  'Wall',
+  [-12, -10, -8],
+  [12, 10, 0],
+  [cutter(1, 'flat', 6), cutter(2, 'ball', 4)],
+);
 /** A rapid motion goes through the stock: an alarm. */
 const RAPID = 'G21 G90\nT1 M6\nG0 X-16 Y0 Z5\nG0 Z-3\nG0 X16\nG1 Y6 F6000\nG1 X-16\nG0 Z20\nM30\n';
 /** What may lie over the picture. */

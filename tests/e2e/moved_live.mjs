@@ -11,6 +11,7 @@ import { restingBlock } from './support/block.mjs';
 import { openViewer, withBrowser } from './support/browser.mjs';
 import { findNats, startNats, startNode } from './support/cluster.mjs';
 import { stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { getJson, optionsOf, runTest } from './support/session.mjs';
 
 const options = optionsOf(['server', 'web', 'out']);
@@ -18,17 +19,7 @@ const options = optionsOf(['server', 'web', 'out']);
 const SETTLE_S = 90; // software WebGL on a busy machine
 const ROUNDED_MM = 1e-6; // the controls compute the camera's place again in each frame
 const PATH = '/v1/sessions/shared';
-const SCENE = {
-  name: 'Shared',
-  stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
-  accuracy: {
-    rays: 'dexel',
-    pitch_mm: 0.5,
-    tolerance_mm: 0.01,
-    motion: 'tight',
-  },
-  tools: [{ id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 }],
-};
+const SCENE = boxScene('Shared', [-20, -15, -10], [20, 15, 0], [cutter(1, 'ball', 6)]);
 
 /** Starts servers that know each other, the first with the session. */
 async function startServers(folder) {

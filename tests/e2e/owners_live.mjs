@@ -12,6 +12,7 @@ import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
 import { colorsAt } from './support/pictures.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 
 const options = optionsOf(['server', 'web', 'out']);
@@ -22,17 +23,9 @@ const SIZES = [
   [390, 844],
   [1024, 720],
 ];
-const SCENE = {
-  name: 'Cross',
-  stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
-  accuracy: {
-    rays: 'tri-dexel',
-    pitch_mm: 0.5,
-    tolerance_mm: 0.01,
-    motion: 'tight',
-  },
-  tools: [{ id: 1, shape: 'flat', diameter_mm: 6, length_mm: 30 }],
-};
+const SCENE = boxScene('Cross', [-20, -15, -10], [20, 15, 0], [cutter(1, 'flat', 6)], {
+  accuracy: { rays: 'tri-dexel' },
+});
 const LENGTH_MM = 30; // of a groove, with its ends
 const WIDTH_MM = 6;
 

@@ -12,6 +12,7 @@ import { gzipSync } from 'node:zlib';
 import { openViewer, withBrowser } from './support/browser.mjs';
 import { differenceOf, luminanceIn, stillShot, untilStill } from './support/pictures.mjs';
 import { stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { optionsOf, runTest, startServer } from './support/session.mjs';
 
 const options = optionsOf(['server', 'web', 'out']);
@@ -19,17 +20,9 @@ const options = optionsOf(['server', 'web', 'out']);
 const SETTLE_S = 90; // software WebGL on a busy machine
 const FIRST_LOAD_BYTES = 280_000; // on the wire, with the font
 const FIRST_LOAD_GZIP_BYTES = 230_000; // without it
-const SCENE = {
-  name: 'Bracket op 1',
-  stock: { shape: 'box', min_mm: [-30, -20, -20], max_mm: [30, 20, 0] },
-  accuracy: {
-    rays: 'dexel',
-    pitch_mm: 0.1,
-    tolerance_mm: 0.01,
-    motion: 'tight',
-  },
-  tools: [{ id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 }],
-};
+const SCENE = boxScene('Bracket op 1', [-30, -20, -20], [30, 20, 0], [cutter(1, 'ball', 6)], {
+  accuracy: { pitch_mm: 0.1 },
+});
 const SIZES = [
   [320, 640],
   [390, 844],

@@ -11,6 +11,7 @@ import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
 import { countPixels, untilStill } from './support/pictures.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 import { assertSameSurface } from './support/surface.mjs';
 
@@ -24,17 +25,7 @@ const SIZES = [
 ];
 /** Tiles have vertices of 16 bits, which is coarser than an STL. */
 const WELD_MM = 0.004;
-const SCENE = {
-  name: 'History',
-  stock: { shape: 'box', min_mm: [0, 0, -6], max_mm: [24, 16, 0] },
-  accuracy: {
-    rays: 'dexel',
-    pitch_mm: 0.5,
-    tolerance_mm: 0.01,
-    motion: 'tight',
-  },
-  tools: [{ id: 1, shape: 'ball', diameter_mm: 4, length_mm: 30 }],
-};
+const SCENE = boxScene('History', [0, 0, -6], [24, 16, 0], [cutter(1, 'ball', 4)]);
 
 /** A zigzag, as one program of the session. */
 async function carve(session, y) {

@@ -12,6 +12,7 @@ import { checkAccessible } from './support/axe.mjs';
 import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
 import { checkFreeBlock } from './support/layout.mjs';
 import { atEnd, stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { carveProgram, getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 
 const options = optionsOf(['server', 'web', 'out']);
@@ -19,17 +20,7 @@ const options = optionsOf(['server', 'web', 'out']);
 const SETTLE_S = 60; // software WebGL on a busy machine
 const DESK = { width: 1000, height: 640 };
 const PHONE = { width: 390, height: 844 };
-const SCENE = {
-  name: 'Wall',
-  stock: { shape: 'box', min_mm: [-12, -10, -8], max_mm: [12, 10, 0] },
-  accuracy: {
-    rays: 'dexel',
-    pitch_mm: 0.5,
-    tolerance_mm: 0.01,
-    motion: 'tight',
-  },
-  tools: [{ id: 1, shape: 'flat', diameter_mm: 6, length_mm: 30 }],
-};
+const SCENE = boxScene('Wall', [-12, -10, -8], [12, 10, 0], [cutter(1, 'flat', 6)]);
 const GROOVE = 'G21 G90\nT1 M6\nG0 X-16 Y0 Z-3\nG1 X16 F6000\nG0 Z20\nM30\n';
 const SLOW = [
   'G21 G90\nT1 M6\nG0 X-16 Y6 Z-1\nF60',

@@ -9,6 +9,7 @@ import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { openViewer, withBrowser } from './support/browser.mjs';
 import { stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { optionsOf, runTest, startServer } from './support/session.mjs';
 
 const options = optionsOf(['server', 'web', 'out']);
@@ -17,12 +18,9 @@ const SETTLE_S = 120; // software WebGL on a busy machine
 const SAVE_MS = 480_000;
 const SECONDS = 6;
 const PIXELS = 640; // where the CPU draws
-const SCENE = {
-  name: 'Turning block',
-  stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 1, tolerance_mm: 0.01, motion: 'tight' },
-  tools: [{ id: 1, shape: 'flat', diameter_mm: 4, length_mm: 30 }],
-};
+const SCENE = boxScene('Turning block', [-20, -15, -10], [20, 15, 0], [cutter(1, 'flat', 4)], {
+  accuracy: { pitch_mm: 1 },
+});
 
 /**
  * Reads a video in a page whose policy lets it play a file: its length and

@@ -11,27 +11,20 @@ import { restingBlock } from './support/block.mjs';
 import { openViewer, withBrowser } from './support/browser.mjs';
 import { aboutX, Headset, headsetScript, turnedX } from './support/headset.mjs';
 import { run, start, stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { getJson, optionsOf, runTest, startServer } from './support/session.mjs';
 
 const options = optionsOf(['server', 'agent', 'carve', 'web', 'out']);
 
 const SETTLE_S = 60; // software WebGL on a busy machine
 const VIEWPORT = { width: 480, height: 360 };
-const SCENE = {
-  name: 'Carve in a headset',
-  stock: { shape: 'box', min_mm: [-20, -15, -10], max_mm: [20, 15, 0] },
-  accuracy: {
-    rays: 'dexel',
-    pitch_mm: 0.5,
-    tolerance_mm: 0.01,
-    motion: 'tight',
-  },
-  tools: [
-    { id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 },
-    { id: 4, shape: 'flat', diameter_mm: 8, length_mm: 30 },
-  ],
-  machine: { kinematics: 'tool-vector' },
-};
+const SCENE = boxScene(
+  'Carve in a headset',
+  [-20, -15, -10],
+  [20, 15, 0],
+  [cutter(1, 'ball', 6), cutter(4, 'flat', 8)],
+  { machine: { kinematics: 'tool-vector' } },
+);
 // Where the page puts the block at first: 0.45 m long, its foot 0.9 m high and 0.55 m ahead.
 const M_PER_MM = 0.45 / 40;
 const AHEAD_M = 0.22; // the tip of a tool that large

@@ -31,6 +31,7 @@ auto value_of(Outcome outcome, std::source_location at = std::source_location::c
 /// Returns the error of an expected outcome. With a value, ends the test with the place of the
 /// call.
 template <typename Outcome>
+  requires requires(Outcome outcome) { outcome.error(); }
 auto error_of(Outcome outcome, std::source_location at = std::source_location::current()) {
   if (!outcome.has_value()) return std::move(outcome).error();
   throw std::runtime_error(std::string(at.file_name()) + ':' + std::to_string(at.line()) +
