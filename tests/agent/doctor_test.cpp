@@ -62,8 +62,7 @@ TEST(Doctor, DistinguishesAccessibleProprietaryAndMissingDevices) {
 }
 
 TEST(Doctor, ShippedRulesFileNamesEverySupportedVendor) {
-  std::ifstream file(KERF_SOURCE_DIR "/haptic_agent/70-kerf.rules");
-  const std::string rules{std::istreambuf_iterator<char>(file), {}};
+  const std::string rules = test::content_of(KERF_SOURCE_DIR "/haptic_agent/70-kerf.rules");
   for (const char* vendor : {"1209", "0403", "046d", "256f"}) {
     EXPECT_NE(rules.find(std::string("ATTR{idVendor}==\"") + vendor), std::string::npos) << vendor;
   }

@@ -139,8 +139,7 @@ TEST(Scene, ChipExponentsApplyToAllDirectionsOrEach) {
 }
 
 TEST(Scene, ForcesOfTheReadmeAreRead) {
-  std::ifstream file(KERF_SOURCE_DIR "/server/formats/README.md");
-  std::string readme(std::istreambuf_iterator<char>(file), {});
+  std::string readme = test::content_of(KERF_SOURCE_DIR "/server/formats/README.md");
   const std::string given =
       R"("force": {"law": "specific_energy", "specific_force_n_per_mm2": 0.5, "drr_n_s_per_mm3": 0.01, "pivot_mm": 60})";
   const std::string begin = "```json\n\"force\": ", end = "\n```";

@@ -154,10 +154,7 @@ class Tradeoff : public testing::Test {
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name, std::ios::binary) << text;
   }
-  std::string content(const std::string& name) const {
-    std::ifstream file(folder_ / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  }
+  std::string content(const std::string& name) const { return test::content_of(folder_ / name); }
   int run(const std::string& arguments) const {
     const std::string command = "cd '" + folder_.path().string() +
                                 "' && '" KERF_CARVE "' tradeoff " + arguments +

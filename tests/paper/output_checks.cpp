@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <span>
 #include <sstream>
@@ -19,6 +17,7 @@
 #include "server/formats/scene.h"
 #include "tests/paper/check.h"
 #include "tests/paper/examples.h"
+#include "tests/support/content_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf::paper {
@@ -86,8 +85,7 @@ std::shared_ptr<const TriangleMesh> bird_stl() {
     const test::TemporaryFolder folder;
     SnapshotMesh surface(carved_bird().solid());
     write_model(folder / "bird.stl", surface, {}).value();
-    std::ifstream in(folder / "bird.stl", std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    const std::string bytes = test::content_of(folder / "bird.stl");
     return std::make_shared<const TriangleMesh>(
         read_mesh(MeshFileFormat::kStl, std::as_bytes(std::span(bytes))).value());
   }();

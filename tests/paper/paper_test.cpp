@@ -19,8 +19,7 @@ INSTANTIATE_TEST_SUITE_P(Page, PaperCheck, testing::ValuesIn(checks()),
                          [](const auto& check) { return std::string(check.param.name); });
 
 TEST(PaperPage, EqualsTheGeneratedPage) {
-  std::ifstream in(KERF_SOURCE_DIR "/tests/paper/page.md");
-  const std::string committed{std::istreambuf_iterator<char>(in), {}};
+  const std::string committed = test::content_of(KERF_SOURCE_DIR "/tests/paper/page.md");
   int failed = 0;
   // The tests of other programs run on their own. Here each row must name some that exist.
   const std::string page = page_text(has_tests, failed);

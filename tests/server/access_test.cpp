@@ -13,11 +13,6 @@ namespace {
 
 const std::string kAdmin = "0123456789abcdef0123456789abcdef";
 
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
 class AccessTest : public testing::Test {
  protected:
   void SetUp() override { reopen(); }
@@ -45,7 +40,7 @@ class AccessTest : public testing::Test {
 };
 
 TEST(Rights, TheReadmeHoldsTheTable) {
-  const std::string readme = bytes_of(KERF_SOURCE_DIR "/server/rights/README.md");
+  const std::string readme = test::content_of(KERF_SOURCE_DIR "/server/rights/README.md");
   EXPECT_TRUE(readme.contains(rights_markdown()))
       << "server/rights/README.md must contain this table:\n"
       << rights_markdown();
@@ -251,7 +246,7 @@ TEST_F(AccessTest, TokensAreStoredHashedInAPrivateFile) {
   const std::string secret = invitation.token.substr(invitation.token.rfind('_') + 1);
   ASSERT_EQ(secret.size(), 32U);
   const auto file = folder.path() / GrantFile::kName;
-  const std::string bytes = bytes_of(file);
+  const std::string bytes = test::content_of(file);
   EXPECT_TRUE(bytes.contains(invitation.grant.id));
   EXPECT_FALSE(bytes.contains(secret));
   EXPECT_FALSE(bytes.contains(kAdmin));

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Durability of samples, and agents that continue as the same participant.
-#include <fstream>
-#include <iterator>
 
 #include "tests/server/conversation_fixture.h"
+#include "tests/support/content_of.h"
 
 namespace kerf::net::agent_resume_test {
 namespace {
@@ -165,8 +164,7 @@ TEST_F(AgentResumeTest, TokensSurviveARestartAndAreStoredHashed) {
   ASSERT_TRUE(registry->load_all().failures.empty());
   session = registry->find("block");
   for (const char* suffix : {"", "-wal"}) {
-    std::ifstream text(file.string() + suffix, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(text), {}};
+    const std::string bytes = test::content_of(file.string() + suffix);
     EXPECT_EQ(bytes.find(token), std::string::npos);
   }
   ada = agent();

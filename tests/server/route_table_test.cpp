@@ -93,8 +93,7 @@ TEST(Routes, EveryRowIsReachable) {
 }
 
 TEST(Routes, TheReadmeHoldsTheTable) {
-  std::ifstream file(KERF_SOURCE_DIR "/server/http/README.md");
-  const std::string readme{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const std::string readme = test::content_of(KERF_SOURCE_DIR "/server/http/README.md");
   EXPECT_TRUE(readme.contains(table().markdown()))
       << "server/http/README.md must contain this table:\n"
       << table().markdown();

@@ -4,18 +4,13 @@
 namespace kerf::threat_model_test {
 namespace {
 
-std::string read(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
 std::string all_tests() {
   std::string text;
   for (const auto& entry :
        std::filesystem::recursive_directory_iterator(KERF_SOURCE_DIR "/tests")) {
     const auto& path = entry.path();
     if (path.string().contains("node_modules")) continue;
-    if (path.extension() == ".cpp" || path.extension() == ".py") text += read(path);
+    if (path.extension() == ".cpp" || path.extension() == ".py") text += test::content_of(path);
   }
   return text;
 }
@@ -34,7 +29,7 @@ bool exists(const std::string& name, const std::string& tests) {
 
 TEST(ThreatModel, EveryNamedTestExists) {
   const std::string tests = all_tests();
-  std::istringstream model(read(KERF_SOURCE_DIR "/server/SECURITY.md"));
+  std::istringstream model(test::content_of(KERF_SOURCE_DIR "/server/SECURITY.md"));
   int rows = 0;
   for (std::string line; std::getline(model, line);) {
     if (!line.starts_with("| ") || line.starts_with("| asset")) continue;

@@ -15,11 +15,6 @@ struct ReadModel {
   std::vector<float> deviations;
 };
 
-inline std::string file_text(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 inline ReadModel read_stl_bytes(const std::string& bytes) {
   ReadModel model;
   std::uint32_t count = 0;

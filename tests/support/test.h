@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// GoogleTest, the standard headers of the tests, value_of() and error_of(). The fast build
-// precompiles them (tests/CMakeLists.txt), so a test names only the headers of its subject.
+// GoogleTest, the standard headers of the tests, and small helpers. The fast build precompiles
+// them (tests/CMakeLists.txt), so a test names only the headers of its subject.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -53,4 +53,5 @@
 #include <variant>
 #include <vector>
 
+#include "tests/support/content_of.h"
 #include "tests/support/value_of.h"

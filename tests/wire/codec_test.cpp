@@ -118,8 +118,7 @@ std::vector<std::vector<std::byte>> golden_frames() {
   const auto folder = std::filesystem::path(KERF_SOURCE_DIR) / "tests/wire/golden";
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".bin") continue;
-    std::ifstream file(entry.path(), std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const std::string text = test::content_of(entry.path());
     const auto bytes = std::as_bytes(std::span(text));
     frames.emplace_back(bytes.begin(), bytes.end());
   }

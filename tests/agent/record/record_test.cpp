@@ -65,11 +65,6 @@ bool same(const TickRecord& a, const TickRecord& b) {
          a.has_pose == b.has_pose;
 }
 
-std::string contents(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 std::expected<Recording, std::string> parse(const std::string& bytes) {
   return parse_recording(std::as_bytes(std::span(bytes)));
 }
@@ -138,10 +133,10 @@ TEST_F(RecordTest, FullTapeCountsDroppedTicks) {
 
 TEST_F(RecordTest, NeverOverwritesAFile) {
   record(file(), 10);
-  const std::string before = contents(file());
+  const std::string before = test::content_of(file());
   const auto error = test::error_of(Recorder::start(file(), {}, "{}"));
   EXPECT_EQ(error, file() + " exists; choose another name");
-  EXPECT_EQ(contents(file()), before);
+  EXPECT_EQ(test::content_of(file()), before);
 }
 
 TEST_F(RecordTest, ReportsWhyAFileCannotBeCreated) {
@@ -181,7 +176,7 @@ TEST_F(RecordTest, KilledProgramLeavesCompleteChunks) {
 
 TEST_F(RecordTest, TruncatedFileIsReadUpToItsLastChunk) {
   record(file(), 3000);
-  const std::string whole = contents(file());
+  const std::string whole = test::content_of(file());
   std::size_t most = 0;
   for (std::size_t size = 0; size < whole.size(); size += 997) {
     const auto recording = parse(whole.substr(0, size));
@@ -199,7 +194,7 @@ TEST_F(RecordTest, TruncatedFileIsReadUpToItsLastChunk) {
 
 TEST_F(RecordTest, DamagedBytesAreRejectedOrHarmless) {
   record(file(), 1500);
-  const std::string whole = contents(file());
+  const std::string whole = test::content_of(file());
   std::size_t rejected = 0;
   for (std::size_t at = 0; at < whole.size(); at += 211) {
     std::string damaged = whole;

@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <iterator>
 #include <string>
 
 #include "haptic_agent/record/recorder.h"
+#include "tests/support/content_of.h"
 
 namespace {
 
@@ -51,8 +51,7 @@ int main(int argc, char** argv) {
   }
   for (std::uint64_t n = 0; n < kTicks; ++n) (*recorder)->tape().push(tick_at(n));
   const auto report = (*recorder)->finish({{"trips", "4"}});
-  std::ifstream in(file, std::ios::binary);
-  const std::string whole{std::istreambuf_iterator<char>(in), {}};
+  const std::string whole = test::content_of(file);
   std::ofstream(folder / "cut_off.mcap", std::ios::binary) << whole.substr(0, whole.size() / 2);
   return report.error.empty() && report.ticks == kTicks ? 0 : 1;
 }

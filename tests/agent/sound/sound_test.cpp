@@ -138,8 +138,7 @@ class SoundFile : public ::testing::Test {
   }
   ~SoundFile() override { std::filesystem::remove(path); }
   std::vector<float> samples() const {
-    std::ifstream in(path, std::ios::binary);
-    const std::string bytes(std::istreambuf_iterator<char>(in), {});
+    const std::string bytes = test::content_of(path);
     std::vector<float> read(bytes.size() / sizeof(float));
     std::memcpy(read.data(), bytes.data(), read.size() * sizeof(float));
     return read;

@@ -25,8 +25,7 @@ std::vector<std::byte> carved_block(unsigned seed) {
   const fs::path path = fs::path(::testing::TempDir()) / (std::to_string(::getpid()) + "_read.stl");
   SnapshotMesh mesh(sculpture.solid());
   EXPECT_TRUE(write_model(path, mesh, {.format = ModelFormat::kStl}));
-  std::ifstream file(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  const std::string text = test::content_of(path);
   fs::remove(path);
   return bytes_of(text);
 }

@@ -91,10 +91,7 @@ class BlockSnapshots : public testing::Test {
     for (int n = 0; n < motions; ++n) EXPECT_TRUE(sculpture.apply(random.motion()));
     return sculpture;
   }
-  std::string bytes() const {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  }
+  std::string bytes() const { return test::content_of(file); }
   void put(const std::string& bytes) const { std::ofstream(file, std::ios::binary) << bytes; }
 
   test::TemporaryFolder folder;

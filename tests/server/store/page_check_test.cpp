@@ -23,11 +23,6 @@ void write_journal(const std::filesystem::path& file) {
   }
 }
 
-std::string content(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 TEST(PageCheck, AcceptsAJournalWithEveryTable) {
   const test::TemporaryFolder folder;
   write_journal(folder / "demo.kerf");
@@ -40,7 +35,7 @@ TEST(PageCheck, ReportsEachFlippedBitInTheNamesOfTables) {
   const test::TemporaryFolder folder;
   const auto file = folder / "demo.kerf";
   write_journal(file);
-  const std::string intact = content(file);
+  const std::string intact = test::content_of(file);
   for (const JournalTable& table : kJournalTables) {
     const std::string name(table.name);
     int places = 0;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <future>
-#include <iterator>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "tests/server/whole/hand.h"
 #include "tests/server/whole/watcher.h"
 #include "tests/server/whole/whole_server.h"
+#include "tests/support/content_of.h"
 
 namespace kerf::test::carving_test {
 namespace {
@@ -23,18 +23,13 @@ constexpr const char* kFrame =
     "%\nG21 G90 G17 G94\nT2 M6\nG0 X-15 Y-15 Z5\nG1 Z-3 F600\nX15 F1200\nY15\nG3 X-15 Y15 I-15 "
     "J0\nG1 Z5\nM2\n%\n";
 
-std::string content(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
 using Carving = WholeServer;
 
 // A thread inherits niceness, and requests run on nice threads; a session must not.
 TEST_F(Carving, TheThreadOfASessionIsNotNice) {
   std::map<std::string, int> niceness;
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
-    std::string name = content(task.path() / "comm");
+    std::string name = test::content_of(task.path() / "comm");
     name.pop_back();
     const int number = std::stoi(task.path().filename());
     niceness.emplace(name, getpriority(PRIO_PROCESS, static_cast<id_t>(number)));

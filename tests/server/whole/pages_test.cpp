@@ -5,13 +5,13 @@
 #include <array>
 #include <atomic>
 #include <fstream>
-#include <iterator>
 #include <regex>
 #include <set>
 #include <string>
 
 #include "tests/server/whole/hand.h"
 #include "tests/server/whole/whole_server.h"
+#include "tests/support/content_of.h"
 
 namespace kerf::test::pages_test {
 namespace {
@@ -136,8 +136,7 @@ TEST_F(Drain, AnAdministratorDrainsByARequest) {
 class ListedMetrics : public WholeServer {
  protected:
   static std::string source(const std::string& file) {
-    std::ifstream in(KERF_SOURCE_DIR "/" + file);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    return test::content_of(KERF_SOURCE_DIR "/" + file);
   }
   /// Returns all matches of an expression's first group.
   static std::set<std::string> names(const std::string& text, const char* expression) {

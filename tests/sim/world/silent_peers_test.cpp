@@ -96,8 +96,7 @@ TEST(SilentPeers, AreClosedInTime) {
   int status = 0;
   waitpid(child, &status, 0);
   EXPECT_EQ(status, 0);
-  std::ifstream seen(folder / "seen");
-  const std::string text{std::istreambuf_iterator<char>(seen), {}};
+  const std::string text = test::content_of(folder / "seen");
   EXPECT_EQ(text,
             "nothing: 10 s\nhalf a header: 10 s\nan agent: 6 s, no hello\na viewer: 6 s, no "
             "hello\n");
