@@ -12,10 +12,9 @@ SLEEPS = [
     ("tests/support/eventually.h", 1, "poll", "eventually"),
     ("tests/server/waiting.py", 1, "poll", "eventually, on which until is built"),
     ("tests/e2e/support/processes.mjs", 2, "poll", "poll and until; the limit of stop"),
-    ("tests/agent/device/socket_test.cpp", 2, "poll",
-     "eventually; a process that stands still until the test lets it go on"),
-    ("tests/agent/link/link_requests_test.cpp", 1, "poll", "wait_for, of a flag"),
-    ("tests/agent/link/server_link_test.cpp", 2, "poll", "eventually; a ring that is full"),
+    ("tests/agent/device/socket_test.cpp", 1, "poll",
+     "a process that stands still until the test lets it go on"),
+    ("tests/agent/link/server_link_test.cpp", 1, "poll", "a ring that is full"),
     ("tests/usb/rig.h", 1, "poll", "eventually, every millisecond: the servo's period"),
     # Polls in single tests.
     ("tests/agent/chai3d/chai3d_test.cpp", 1, "poll", "what the server has seen, under its lock"),

@@ -18,6 +18,19 @@ MoveTool move_to(double x_mm) {
                   .duration_s = 0.001};
 }
 
+/// The number of records that are still to come.
+int rest_of(JournalReader& reader) {
+  int count = 0;
+  while (reader.next().value()) ++count;
+  return count;
+}
+
+/// The number of records of a file.
+int count_in(const std::filesystem::path& file) {
+  auto reader = test::value_of(JournalReader::open(file));
+  return rest_of(reader);
+}
+
 class Journal : public testing::Test {
  protected:
   /// Writes a journal of ten motions by participants 1 and 2, with one state hash.
@@ -83,10 +96,7 @@ TEST_F(Journal, OpenContinuesAfterTheLastRecordAndIncrementsTheEpoch) {
   EXPECT_EQ(writer.append(1, move_to(11)).value(), 11U);
   ASSERT_TRUE(writer.flush());
   EXPECT_EQ(writer.lag(), 0U);
-  auto reader = JournalReader::open(file);
-  int count = 0;
-  while (reader->next().value()) ++count;
-  EXPECT_EQ(count, 11);
+  EXPECT_EQ(count_in(file), 11);
 }
 
 TEST_F(Journal, StoresTheProgressOfAgentsWithTheirRecords) {
@@ -131,9 +141,7 @@ TEST_F(Journal, AnAgentWhoseProgressIsDamagedMayNotResume) {
     EXPECT_EQ(reader->participants()[0].agent_sequence, 0U);
     EXPECT_EQ(reader->participants()[1].token, token);
     EXPECT_EQ(reader->participants()[1].agent_sequence, 7U);
-    int count = 0;
-    while (reader->next().value()) ++count;
-    EXPECT_EQ(count, 2);
+    EXPECT_EQ(rest_of(*reader), 2);
   }
 }
 
@@ -186,10 +194,7 @@ TEST_F(Journal, ConcurrentReaderSeesCommittedRecords) {
   for (int i = 1; i <= 1000; ++i) ASSERT_TRUE(writer.append(1, move_to(i)));
   ASSERT_TRUE(writer.flush());
   for (int i = 1001; i <= 2000; ++i) ASSERT_TRUE(writer.append(1, move_to(i)));
-  auto reader = test::value_of(JournalReader::open(file));
-  int count = 0;
-  while (reader.next().value()) ++count;
-  EXPECT_GE(count, 1000);
+  EXPECT_GE(count_in(file), 1000);
 }
 
 TEST_F(Journal, DestructorCommitsPendingRecords) {
@@ -197,10 +202,7 @@ TEST_F(Journal, DestructorCommitsPendingRecords) {
     auto writer = JournalWriter::create(file, kHeader);
     for (int i = 1; i <= 100; ++i) ASSERT_TRUE(writer->append(1, move_to(i)));
   }
-  auto reader = JournalReader::open(file);
-  int count = 0;
-  while (reader->next().value()) ++count;
-  EXPECT_EQ(count, 100);
+  EXPECT_EQ(count_in(file), 100);
 }
 
 TEST_F(Journal, FinishClosesTheFileAndRejectsAppends) {
@@ -211,10 +213,7 @@ TEST_F(Journal, FinishClosesTheFileAndRejectsAppends) {
   EXPECT_FALSE(writer->append(1, move_to(101)));
   EXPECT_FALSE(writer->flush());
   std::filesystem::rename(file, folder / "moved.kerf");
-  auto reader = JournalReader::open(folder / "moved.kerf");
-  int count = 0;
-  while (reader->next().value()) ++count;
-  EXPECT_EQ(count, 100);
+  EXPECT_EQ(count_in(folder / "moved.kerf"), 100);
 }
 
 TEST_F(Journal, CreateDoesNotOverwriteAnExistingJournal) {
@@ -222,23 +221,30 @@ TEST_F(Journal, CreateDoesNotOverwriteAnExistingJournal) {
   EXPECT_EQ(test::error_of(JournalWriter::create(file, kHeader)).code, JournalErrorCode::kExists);
 }
 
-TEST_F(Journal, CorruptByteIsReportedWithItsRecord) {
-  write_ten();
-  sql("UPDATE batches SET bytes = CAST(substr(bytes,1,1) || x'A5' || substr(bytes,3) AS BLOB) "
-      "WHERE first = 4");
-  expect_corrupt_at(4);
-}
-
-TEST_F(Journal, ChangedTimeIsDetected) {
-  write_ten();
-  sql("UPDATE batches SET wall_ms = wall_ms + 1 WHERE first = 6");
-  expect_corrupt_at(6);
-}
-
-TEST_F(Journal, MissingRecordIsDetected) {
-  write_ten();
-  sql("DELETE FROM batches WHERE first = 3");
-  expect_corrupt_at(3);
+TEST_F(Journal, DamageIsReportedWithItsRecord) {
+  struct Damage {
+    const char *name, *sql;
+    std::uint64_t record;
+  };
+  for (const auto& [name, text, record] : {
+           Damage{"a changed byte",
+                  "UPDATE batches SET bytes = CAST(substr(bytes,1,1) || x'A5' || substr(bytes,3) "
+                  "AS BLOB) WHERE first = 4",
+                  4},
+           Damage{"a changed time", "UPDATE batches SET wall_ms = wall_ms + 1 WHERE first = 6", 6},
+           Damage{"a missing record", "DELETE FROM batches WHERE first = 3", 3},
+           Damage{"swapped records",
+                  "UPDATE batches SET first = 99 WHERE first = 2;"
+                  "UPDATE batches SET first = 2 WHERE first = 4;"
+                  "UPDATE batches SET first = 4 WHERE first = 99",
+                  2},
+       }) {
+    SCOPED_TRACE(name);
+    remove_journal(file);
+    write_ten();
+    sql(text);
+    expect_corrupt_at(record);
+  }
 }
 
 TEST_F(Journal, MissingTailIsDetectedByTheNewestHash) {
@@ -247,9 +253,7 @@ TEST_F(Journal, MissingTailIsDetectedByTheNewestHash) {
   auto reader = test::value_of(JournalReader::open(file));
   EXPECT_EQ(reader.dropped_hashes(), 1U);
   EXPECT_TRUE(reader.state_hashes().empty());
-  int count = 0;
-  while (reader.next().value()) ++count;
-  EXPECT_EQ(count, 8);
+  EXPECT_EQ(rest_of(reader), 8);
 }
 
 TEST_F(Journal, DamageIsDetectedByParticipantToo) {
@@ -265,14 +269,6 @@ TEST_F(Journal, DamageIsDetectedByParticipantToo) {
     ASSERT_FALSE(record) << damage;
     EXPECT_EQ(record.error().code, JournalErrorCode::kCorrupt);
   }
-}
-
-TEST_F(Journal, SwappedRecordsAreDetected) {
-  write_ten();
-  sql("UPDATE batches SET first = 99 WHERE first = 2;"
-      "UPDATE batches SET first = 2 WHERE first = 4;"
-      "UPDATE batches SET first = 4 WHERE first = 99");
-  expect_corrupt_at(2);
 }
 
 TEST_F(Journal, ChangedSceneIsDetected) {
@@ -330,10 +326,7 @@ TEST_F(Journal, CopyIsComplete) {
   for (int i = 1; i <= 50; ++i) ASSERT_TRUE(writer->append(1, move_to(i)));
   ASSERT_TRUE(writer->flush());
   ASSERT_TRUE(copy_journal(file, folder / "copy.kerf"));
-  auto reader = test::value_of(JournalReader::open(folder / "copy.kerf"));
-  int count = 0;
-  while (reader.next().value()) ++count;
-  EXPECT_EQ(count, 50);
+  EXPECT_EQ(count_in(folder / "copy.kerf"), 50);
 }
 
 }  // namespace

@@ -54,21 +54,22 @@ TEST_F(Branches, BeginAsTheParentWasToTheBit) {
   const std::uint64_t now = hash(), last = session_->sequence();
   int number = 0;
   for (const std::uint64_t record : {last, a_ + 3, b_ + 20, c_, last - 1}) {
-    const auto other = test::value_of(branch("branch" + std::to_string(++number), record));
-    EXPECT_EQ(other.solid().hash(), hash_at(record)) << record;
-    EXPECT_EQ(other.sequence(), record);
-    EXPECT_EQ(other.parent().session, "block");
-    EXPECT_EQ(other.parent().record, record);
-    EXPECT_EQ(other.parent().epoch, session_->epoch());
-    EXPECT_EQ(other.matters().record_named("early").has_value(), record >= b_);
-    EXPECT_EQ(other.matters().record_named("late").has_value(), record == last);
-    const std::int64_t ms = time_of(other.journal_file(), record - 1).value() -
+    const auto other = branch("branch" + std::to_string(++number), record);
+    ASSERT_TRUE(other);
+    EXPECT_EQ(other->solid().hash(), hash_at(record)) << record;
+    EXPECT_EQ(other->sequence(), record);
+    EXPECT_EQ(other->parent().session, "block");
+    EXPECT_EQ(other->parent().record, record);
+    EXPECT_EQ(other->parent().epoch, session_->epoch());
+    EXPECT_EQ(other->matters().record_named("early").has_value(), record >= b_);
+    EXPECT_EQ(other->matters().record_named("late").has_value(), record == last);
+    const std::int64_t ms = time_of(other->journal_file(), record - 1).value() -
                             time_of(session_->journal_file(), record - 1).value();
     EXPECT_LE(std::abs(ms), 1);
-    const auto verified = test::value_of(verify_journal(other.journal_file()));
+    const auto verified = test::value_of(verify_journal(other->journal_file()));
     EXPECT_EQ(verified.difference, "");
     EXPECT_EQ(verified.hash, hash_at(record));
-    close(other.id());
+    close(other->id());
   }
   EXPECT_EQ(hash(), now);
   EXPECT_EQ(session_->sequence(), last);

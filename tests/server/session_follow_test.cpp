@@ -166,9 +166,10 @@ TEST_F(SessionFollow, JournalCanBeContinuedByAServer) {
   servers_.expect("block");
   servers_.open("block", report);
   EXPECT_TRUE(report.failures.empty());
-  const auto opened = test::value_of(servers_.find("block"));
-  EXPECT_EQ(run_and_wait(opened.executor(), [&] { return opened.solid().hash(); }), expected);
-  EXPECT_FALSE(opened.is_followed());
+  const auto opened = servers_.find("block");
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(run_and_wait(opened->executor(), [&] { return opened->solid().hash(); }), expected);
+  EXPECT_FALSE(opened->is_followed());
 }
 
 TEST_F(SessionFollow, OnlyTheOwnersRecordsChangeIt) {

@@ -124,10 +124,11 @@ TEST_F(SessionTest, RegistryRestoresSessions) {
   const LoadReport report = registry->load_all();
   EXPECT_TRUE(report.failures.empty());
   EXPECT_TRUE(report.recarved.empty());
-  const auto session = test::value_of(registry->find("block"));
-  EXPECT_EQ(session.current_hash()->hash, hash);
-  EXPECT_EQ(session.epoch(), 3U);  // created, started, started again
-  EXPECT_GT(join(session), 1U);
+  const auto session = registry->find("block");
+  ASSERT_TRUE(session);
+  EXPECT_EQ(session->current_hash()->hash, hash);
+  EXPECT_EQ(session->epoch(), 3U);  // created, started, started again
+  EXPECT_GT(join(*session), 1U);
 }
 
 /// Stores data of another kernel version: its version, and a hash that this kernel does not

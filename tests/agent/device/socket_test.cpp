@@ -7,12 +7,14 @@
 #include "haptic_agent/device/socket/line_protocol.h"
 #include "haptic_agent/device/socket/socket_device.h"
 #include "server/wire/types.h"
+#include "tests/support/eventually.h"
 #include "tests/support/test.h"
 
 namespace kerf::agent::socket_test {
 namespace {
 
 using std::chrono::milliseconds;
+using test::eventually;
 
 constexpr std::string_view kRated =
     "kerf-device 1 name=fake sensed_dof=3 actuated_dof=3 max_force_n=10 latency_us=2000 "
@@ -192,15 +194,6 @@ class SocketDeviceTest : public ::testing::Test {
     ASSERT_TRUE(opened) << opened.error();
     agent = *std::move(opened);
     EXPECT_EQ(process.hear(), "session 4 60 0 0 0 1 1 1");
-  }
-  /// Calls until the condition holds. The limit only ends a failed test.
-  template <typename Condition>
-  static bool eventually(Condition condition) {
-    for (int i = 0; i < 10'000; ++i) {
-      if (condition()) return true;
-      std::this_thread::sleep_for(milliseconds(1));
-    }
-    return false;
   }
   /// The device repeats its pose until the agent has it.
   bool ready(std::uint16_t accepted = 0) {

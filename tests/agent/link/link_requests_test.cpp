@@ -2,15 +2,14 @@
 // Requests to undo, and the connection on which they are made.
 #include "haptic_agent/link/server_link.h"
 #include "tests/agent/link/fake_server.h"
+#include "tests/support/eventually.h"
 #include "tests/support/test.h"
 
 namespace kerf::agent::link_requests_test {
 namespace {
 
-/// Waits until the flag is set. The limit only ends a failed test.
 bool eventually(const std::atomic<bool>& flag) {
-  for (int i = 0; i < 2000 && !flag; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  return flag;
+  return test::eventually([&] { return flag.load(); });
 }
 
 TEST(LinkRequests, RequestIsDroppedWithTheConnection) {
