@@ -164,8 +164,7 @@ TEST(AptSystems, CutterMayPrecedeOrFollowItsToolLoad) {
   EXPECT_NEAR(std::get<AptShape>(stated.at(12).shape).d_mm, 25.4, 1e-9);
   EXPECT_NEAR(std::get<BallShape>(stated.at(7).shape).diameter_mm, 12.7, 1e-9);
   EXPECT_EQ(stated.at(12).line, 2u);
-  const auto facts = test::value_of(program_facts("p.aptsource", text));
-  EXPECT_THAT(facts.tools, ElementsAre(7, 12));
+  EXPECT_THAT(test::value_of(program_facts("p.aptsource", text)).tools, ElementsAre(7, 12));
   const auto derived = test::value_of(derive_scene("p.aptsource", text, {}, {}));
   EXPECT_THAT(derived.notes, Contains(HasSubstr("CUTTER in line 9")));
 }

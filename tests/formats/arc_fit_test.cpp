@@ -43,8 +43,7 @@ TEST(ArcFit, FindsCenterAndDirection) {
     EXPECT_EQ(arc.counterclockwise, to > 30);
     EXPECT_FALSE(arc.helical);
   }
-  const auto helix = test::value_of(fit_arc(arc_path(10, 0, 200, 40, -3), 0.03));
-  EXPECT_TRUE(helix.helical);
+  EXPECT_TRUE(test::value_of(fit_arc(arc_path(10, 0, 200, 40, -3), 0.03)).helical);
 }
 
 TEST(ArcFit, RejectsOtherPaths) {

@@ -93,8 +93,7 @@ TEST(Guides, CanonicalTextReadsBackToTheSameGuides) {
   const Scene scene = parsed(text, source);
   const std::string canonical = scene_json(scene);
   EXPECT_THAT(canonical, HasSubstr(R"("file":"part.ngc")"));
-  const auto again = test::value_of(parse_scene(canonical, source));
-  EXPECT_EQ(scene_json(again), canonical);
+  EXPECT_EQ(scene_json(test::value_of(parse_scene(canonical, source))), canonical);
   const std::string expanded = guides_json(scene.guides, GuideFiles::kExpanded);
   const auto welcome = test::value_of(parse_guides(R"({"guides":)" + expanded + "}"));
   EXPECT_EQ(guides_json(welcome, GuideFiles::kExpanded), expanded);

@@ -115,8 +115,7 @@ TEST(Scene, MaterialSetsTheUnstatedCoefficients) {
   EXPECT_EQ(milling.cut_n_per_mm2.radial, 170.5);
   EXPECT_EQ(milling.edge_n_per_mm.radial, 26.6);
   // Agents and journals contain the coefficients, not the name, because presets may change.
-  const auto again = test::value_of(parse_scene(scene_json(scene), {}));
-  EXPECT_EQ(force_json(again), force_json(scene));
+  EXPECT_EQ(force_json(test::value_of(parse_scene(scene_json(scene), {}))), force_json(scene));
   EXPECT_THAT(force_json(scene), HasSubstr("\"radial_edge_n_per_mm\":26.6"));
 }
 

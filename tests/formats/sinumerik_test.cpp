@@ -290,8 +290,7 @@ TEST(Sinumerik, IsRecognizedAndDerivesAScene) {
       "T=\"MILL\" M6\nMSG(\"POCKET\")\nG0 X0 Y0\nZ5\nG1 Z-2 F100\nG1 X30\nG2 X40 Y10 CR=10\nM30\n";
   const auto program = test::value_of(parse_program("p.mpf", text, scene_for("xyz")));
   EXPECT_THAT(program.warnings, Contains(HasSubstr("read as SINUMERIK: line 1 has T=\"")));
-  const auto derived = test::value_of(derive_scene("p.mpf", text, {}, {}));
-  EXPECT_TRUE(derived.scene.tools.contains(1));
+  EXPECT_TRUE(test::value_of(derive_scene("p.mpf", text, {}, {})).scene.tools.contains(1));
   EXPECT_THAT(parse_program("p.mpf", "T1 M6\nG0 X0 Y0 Z5\nG1 X1 F1\nM2\n", scene_for("xyz"))
                   .value()
                   .read_as,

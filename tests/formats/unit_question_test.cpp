@@ -60,8 +60,7 @@ TEST(UnitQuestion, ModelInMetersRaisesAQuestion) {
 
 TEST(UnitQuestion, AModelIsComparedWithItsPartner) {
   for (const double size : {0.5, 4.0, 40.0, 400.0}) {
-    const auto small = test::value_of(unit_question("x", "a.stl", size, 1000 * size));
-    EXPECT_EQ(small.choices.size(), 3U);
+    EXPECT_EQ(test::value_of(unit_question("x", "a.stl", size, 1000 * size)).choices.size(), 3U);
     const auto large = test::value_of(unit_question("x", "a.stl", 1000 * size, size));
     ASSERT_EQ(large.choices.size(), 1U);
     EXPECT_EQ(large.choices[0].scale, 0.001);

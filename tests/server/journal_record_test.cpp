@@ -52,7 +52,7 @@ DefineTool some_tool_with_holder() {
 
 TEST(JournalRecord, ArcsAndNonCuttingPiecesRoundTrip) {
   const auto decoded = test::value_of(decode_command(encode_command(some_tool_with_holder())));
-  EXPECT_EQ(std::get<DefineTool> decoded.tool, some_tool_with_holder().tool);
+  EXPECT_EQ(std::get<DefineTool>(decoded).tool, some_tool_with_holder().tool);
 }
 
 TEST(JournalRecord, Layout1IsRead) {
@@ -61,16 +61,15 @@ TEST(JournalRecord, Layout1IsRead) {
   auto bytes = encode_command(some_tool());
   bytes[0] = std::byte{1};
   bytes.resize(bytes.size() - 4);
-  const auto decoded = test::value_of(decode_command(bytes));
-  EXPECT_EQ(std::get<DefineTool> decoded.tool, some_tool().tool);
+  EXPECT_EQ(std::get<DefineTool>(test::value_of(decode_command(bytes))).tool, some_tool().tool);
 }
 
 TEST(JournalRecord, ChangesOfStrokesRoundTrip) {
   for (const bool undone : {true, false}) {
     const auto decoded =
         test::value_of(decode_command(encode_command(StrokeChange{1ULL << 40U, undone})));
-    EXPECT_EQ(std::get<StrokeChange> decoded.stroke, 1ULL << 40U);
-    EXPECT_EQ(std::get<StrokeChange> decoded.undone, undone);
+    EXPECT_EQ(std::get<StrokeChange>(decoded).stroke, 1ULL << 40U);
+    EXPECT_EQ(std::get<StrokeChange>(decoded).undone, undone);
     EXPECT_FALSE(kernel_command(decoded));
   }
 }

@@ -27,8 +27,7 @@ int rest_of(JournalReader& reader) {
 
 /// The number of records of a file.
 int count_in(const std::filesystem::path& file) {
-  auto reader = test::value_of(JournalReader::open(file));
-  return rest_of(reader);
+  return rest_of(test::value_of(JournalReader::open(file)));
 }
 
 class Journal : public testing::Test {
@@ -85,8 +84,7 @@ TEST_F(Journal, RoundTrips) {
     EXPECT_EQ((*record)->participant, static_cast<ParticipantId>(1 + i % 2));
     EXPECT_EQ(std::get<MoveTool>((*record)->command).to, move_to(i).to);
   }
-  const auto end = test::value_of(reader.next());
-  EXPECT_FALSE(end);
+  EXPECT_FALSE(test::value_of(reader.next()));
 }
 
 TEST_F(Journal, OpenContinuesAfterTheLastRecordAndIncrementsTheEpoch) {

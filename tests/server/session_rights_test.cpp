@@ -90,8 +90,7 @@ TEST_F(SessionRightsTest, ARemovedAgentCannotResume) {
   EXPECT_EQ(seen.closing, "too loud");
   session->leave(admission.participant.id);
   request.token = admission.token;
-  const auto again = test::value_of(session->admit(request));
-  EXPECT_FALSE(again.resumed);
+  EXPECT_FALSE(test::value_of(session->admit(request)).resumed);
   EXPECT_FALSE(session->remove(99, ""));
 }
 

@@ -163,8 +163,7 @@ TEST_F(SessionTest, JournalOfAnotherKernelIsRecarvedOnceAndKeepsItsNewHash) {
     EXPECT_EQ(registry->find("block")->current_hash()->hash, hash);
     ASSERT_TRUE(registry->find("block")->flush());
     // From now on the journal belongs to this kernel.
-    const auto again = test::value_of(replay(file));
-    EXPECT_FALSE(again.is_recarved());
+    EXPECT_FALSE(test::value_of(replay(file)).is_recarved());
     const auto reader = JournalReader::open(file);
     EXPECT_EQ(reader->header().kernel_version, kKernelVersion);
     EXPECT_EQ(reader->state_hashes().back().hash, hash);

@@ -78,8 +78,7 @@ TEST_F(SessionUndo, NewestStrokeIsThatAtTheRequest) {
       executor_->run();
     }
   }
-  const auto undone = test::value_of(newest.get());
-  EXPECT_EQ(undone.strokes, std::vector{a});
+  EXPECT_EQ(test::value_of(newest.get()).strokes, std::vector{a});
   executor_->run();
   EXPECT_EQ(hash(), never_happened());
 }

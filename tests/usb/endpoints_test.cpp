@@ -25,8 +25,7 @@ TEST(Endpoints, FirstMatchingSettingIsUsed) {
   const InterfaceShape full{
       .number = 0, .alternate = 1, .usb_class = 0xFF, .endpoints = {{0x81, 3, 64}, {0x01, 3, 64}}};
   const InterfaceShape all[] = {none, full};
-  const auto pipes = test::value_of(find_pipes(all, {.usb_class = 0xFF}));
-  EXPECT_EQ(pipes.alternate, 1);
+  EXPECT_EQ(test::value_of(find_pipes(all, {.usb_class = 0xFF})).alternate, 1);
 }
 
 TEST(Endpoints, MismatchesAreRejected) {

@@ -76,8 +76,7 @@ TEST(FalconFrame, StatusBytesAreSkippedAndFramesAssembled) {
   first.insert(first.end(), frame.begin(), frame.begin() + 7);
   second.insert(second.end(), frame.begin() + 7, frame.end());
   EXPECT_FALSE(reader.take(first));
-  const auto whole = test::value_of(reader.take(second));
-  EXPECT_EQ(falcon::decode_state(whole), state);
+  EXPECT_EQ(falcon::decode_state(test::value_of(reader.take(second))), state);
 }
 
 TEST(FalconProtocol, ReportsPosesBetweenTheCountsOfItsLegs) {

@@ -56,8 +56,7 @@ TEST(WireCodec, MeshHeaderEqualsTheHeaderOfTheFrame) {
   append(frame, stamp, MeshView{glb}, kMeshSnapshot);
   const auto header = mesh_header(stamp, kMeshSnapshot, glb.size());
   EXPECT_TRUE(std::ranges::equal(header, std::span(frame).first(kHeaderBytes)));
-  const auto back = test::value_of(decode(frame));
-  EXPECT_TRUE(std::ranges::equal(std::get<MeshView>(back.body).glb, glb));
+  EXPECT_TRUE(std::ranges::equal(std::get<MeshView>(test::value_of(decode(frame)).body).glb, glb));
 }
 
 TEST(WireCodec, FrameAboveTheSizeLimitIsRejected) {

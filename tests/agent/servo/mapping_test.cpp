@@ -130,7 +130,7 @@ TEST(Fitted, StockFillsFourFifthsOfTheTightestEdge) {
   const auto fit = test::value_of(fitted(tooth, workspace, {.gain = 2}));
   EXPECT_NEAR(fit.scale, 3 / (0.8 * 120), 1e-12);
   EXPECT_EQ(fit.gain, 2);
-  expect_near(SpaceMapfit.to_block(Vec3{0, 0, 40}), {0, 0, -1}, 1e-12, "the middles meet");
+  expect_near(SpaceMap(fit).to_block(Vec3{0, 0, 40}), {0, 0, -1}, 1e-12, "the middles meet");
   Numbers numbers(5);
   for (int i = 0; i < 50; ++i) {
     const SpaceBox stock{numbers.any(500) - Vec3{500, 500, 500},

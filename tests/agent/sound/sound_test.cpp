@@ -154,8 +154,7 @@ TEST_F(SoundFile, ContainsTheWrittenSamples) {
   Synthesizer synthesizer(kSoundHz);
   const std::vector<float> wanted = render(synthesizer, kCut, 0.1);
   {
-    auto card = test::value_of(SoundCard::open(device));
-    EXPECT_TRUE(card.write(wanted));
+    EXPECT_TRUE(test::value_of(SoundCard::open(device)).write(wanted));
   }
   EXPECT_EQ(samples(), wanted);
 }

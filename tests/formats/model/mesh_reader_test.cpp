@@ -115,8 +115,7 @@ TEST(MeshReader, ReadsForeignPlyAndObj) {
   const auto ply = test::value_of(read(MeshFileFormat::kPly, kAsciiPly));
   EXPECT_EQ(ply.vertices_mm.size(), 5U);
   EXPECT_EQ(ply.triangles.size(), 6U);
-  const auto obj = test::value_of(read(MeshFileFormat::kObj, kObj));
-  EXPECT_EQ(obj, ply);
+  EXPECT_EQ(test::value_of(read(MeshFileFormat::kObj, kObj)), ply);
   std::string big =
       "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty short x\n"
       "property float y\nproperty double z\nelement face 1\n"
@@ -177,8 +176,7 @@ TEST(MeshReader, ReadsObjInUtf16) {
     put('\x0a', '\x0a');  // a Gurmukhi character, whose bytes are line feeds
     put(0, '\n');
     for (const char c : kObj) put(0, c);
-    const auto mesh = test::value_of(read(MeshFileFormat::kObj, wide));
-    EXPECT_EQ(mesh, plain);
+    EXPECT_EQ(test::value_of(read(MeshFileFormat::kObj, wide)), plain);
   }
   EXPECT_TRUE(read(MeshFileFormat::kObj, "\xef\xbb\xbf" + kObj));
 }

@@ -140,8 +140,7 @@ TEST_F(SnapshotCopyTest, UnfinishedSnapshotIsIgnored) {
                        .before = {.record = good},
                        .after = {.record = good + 5}};
   store(encode_frame(half, bytes));
-  const auto taken = test::value_of(take_over());
-  EXPECT_EQ(taken.snapshot_sequence, good);
+  EXPECT_EQ(test::value_of(take_over()).snapshot_sequence, good);
   SnapshotCopy next = owner(3);
   const std::uint64_t newest = cut_and_write(20);
   ASSERT_EQ(next.copy(newest, never_), true);

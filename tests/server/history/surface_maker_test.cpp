@@ -91,8 +91,7 @@ TEST(SurfaceMaker, IsEmptyForExistingStock) {
   const SolidSnapshot start = Sculpture::create(job.settings()).value().solid();
   BlockHistory history(journal_records(job.file()), job.settings(), start);
   ASSERT_TRUE(history.catch_up());
-  const auto maker = test::value_of(history.first_to_remove({RayAxis::kZ, 3, 3, 0}, {}));
-  EXPECT_FALSE(maker.has_value());
+  EXPECT_FALSE(test::value_of(history.first_to_remove({RayAxis::kZ, 3, 3, 0}, {})).has_value());
 }
 
 TEST(SurfaceOwners, AreTheParticipantsThatRemovedTheStockFirst) {

@@ -93,8 +93,7 @@ TEST_F(JournalChangeTest, CopyHasEveryRowOfTheJournal) {
   writer.append(ListChange{.table = "versions", .removed = "half"});
   add_participant(writer, 1, "Ada L.");
   pass_on(changes, copy);
-  const auto finished = test::value_of(copy.finish());
-  EXPECT_EQ(finished.record, 1040U);
+  EXPECT_EQ(test::value_of(copy.finish()).record, 1040U);
   const auto rows = dump(file_);
   EXPECT_EQ(dump(copied_), rows);
   EXPECT_EQ(
@@ -247,8 +246,7 @@ TEST_F(JournalChangeTest, AnotherProcessContinuesTheCopy) {
   writer.append_recarved(StateHash{100, 7});
   append_motions(writer, 5);
   JournalChanges changes(file_);
-  const auto continues = test::value_of(changes.begin(position));
-  ASSERT_TRUE(continues);
+  ASSERT_TRUE(test::value_of(changes.begin(position)));
   pass_on(changes, copy);
   ASSERT_TRUE(copy.finish());
   EXPECT_EQ(dump(copied_), dump(file_));
@@ -287,8 +285,7 @@ TEST_F(JournalChangeTest, ChangesAfterTheLastWholeOneAreLeftOut) {
   ASSERT_TRUE(*change);
   (*change)->is_whole = false;
   ASSERT_TRUE(copy.apply(**change));
-  const auto finished = test::value_of(copy.finish());
-  EXPECT_EQ(finished.record, 10U);
+  EXPECT_EQ(test::value_of(copy.finish()).record, 10U);
   EXPECT_EQ(dump(copied_), rows);
 }
 
@@ -308,8 +305,7 @@ TEST_F(JournalChangeTest, ContinuesFromTheLastWholeChange) {
   ASSERT_TRUE(*successor.begin(whole));
   append_motions(writer, 10);
   pass_on(successor, copy);
-  const auto finished = test::value_of(copy.finish());
-  EXPECT_EQ(finished.record, 30U);
+  EXPECT_EQ(test::value_of(copy.finish()).record, 30U);
   EXPECT_EQ(dump(copied_), dump(file_));
 }
 
@@ -329,8 +325,7 @@ TEST_F(JournalChangeTest, ACopyWithoutAWholeChangeIsNotFinished) {
   JournalWriter writer = create();
   append_motions(writer, 10);
   {
-    auto copy = test::value_of(JournalCopy::create(copied_));
-    EXPECT_FALSE(copy.finish());
+    EXPECT_FALSE(test::value_of(JournalCopy::create(copied_)).finish());
   }
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 3)
       << "more than the journal and its side files is left";
