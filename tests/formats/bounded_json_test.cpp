@@ -93,7 +93,7 @@ TEST(BoundedJson, DropsDeeperValues) {
   const auto read =
       test::value_of(parse_bounded_json(R"({"a": [1, {"x": [2, {}]}, 3], "b": {"c": {"d": 4}}})",
                                         {.depth_max = 2, .drops_deeper = true}));
-  EXPECT_EQ(documentread.dump(), R"({"a":[],"b":{}})");
+  EXPECT_EQ(document(read).dump(), R"({"a":[],"b":{}})");
   const auto deep = parse_bounded_json(nested(100'000, "{\"a\":[", "1", "]}"),
                                        {.depth_max = 32, .drops_deeper = true});
   ASSERT_TRUE(deep);

@@ -92,9 +92,7 @@ TEST_F(GougeCheckTest, FindsGougesBelowAnOverhang) {
 
 TEST_F(GougeCheckTest, PortionsFindTheSameGougesAsAFullSearch) {
   std::mt19937 random(7);
-  const auto value = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
+  const test::Uniform value(random);
   int gouged = 0;
   for (int n = 0; n < 120; ++n) {
     const auto before = block_.snapshot();

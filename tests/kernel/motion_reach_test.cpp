@@ -18,9 +18,7 @@ std::vector<DexelGrid> grids_of(const Sculpture& block) {
 
 TEST(MotionReach, ContainsEveryTileThatAMotionCuts) {
   std::mt19937 random(8);
-  const auto uniform = [&](double low, double high) {
-    return std::uniform_real_distribution(low, high)(random);
-  };
+  const test::Uniform uniform(random);
   SculptureSettings settings{.stock = BoxStock{{0, 0, -30}, {60, 50, 0}},
                              .rays = Rays::kTriDexel,
                              .pitch_mm = 0.5,
@@ -89,9 +87,7 @@ void for_each_point(const Tool& tool, const ToolMotion& motion, const Visit& vis
 
 TEST(MotionReach, BoxTightlyEnclosesTheSweptVolume) {
   std::mt19937 random(3);
-  const auto uniform = [&](double low, double high) {
-    return std::uniform_real_distribution(low, high)(random);
-  };
+  const test::Uniform uniform(random);
   std::vector<ProfilePoint> steps{{0, 0}};
   for (int n = 1; n < 20; ++n) steps.push_back({1.0 + n % 2 + 0.1 * n, 1.0 * n});
   const Tool tools[] = {

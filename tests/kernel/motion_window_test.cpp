@@ -42,9 +42,7 @@ Sculpture block(const SculptureSettings& settings) {
 /// Motions of participants that move in turn, near each other or apart. Occasionally one jumps.
 std::vector<MoveTool> random_motions(std::mt19937& random, int participants, int count,
                                      double apart) {
-  const auto in = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
+  const test::Uniform in(random);
   const auto axis = [&] { return normalized(Vec3{in(-0.2, 0.2), in(-0.2, 0.2), 1}); };
   struct Hand {
     ToolPose at;

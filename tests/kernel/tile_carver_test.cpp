@@ -157,9 +157,7 @@ TEST(TileCarver, UnknownStartsGiveTheSameBytes) {
     const Tool tool = *make_tool(shape);
     for (unsigned seed = 0; seed < 60; ++seed) {
       std::mt19937_64 random(seed);
-      const auto in = [&](double a, double b) {
-        return std::uniform_real_distribution<double>(a, b)(random);
-      };
+      const test::Uniform in(random);
       Sculpture block = Sculpture::create(settings).value();
       block.apply(DefineTool{1, tool}).value();
       TileCarver carver(settings, block.solid());

@@ -39,9 +39,7 @@ std::vector<std::array<wire::MotionSample, kAgents>> random_rounds(int rounds, d
                                                                    double step_mm = 0.6,
                                                                    double rests = 0) {
   std::mt19937 random(7);
-  const auto in = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
+  const test::Uniform in(random);
   std::array<Vec3, kAgents> at;
   for (std::size_t a = 0; a < kAgents; ++a) at[a] = {(double(a) - 2) * apart_mm, in(-2, 2), -1};
   std::vector<std::array<wire::MotionSample, kAgents>> all(static_cast<std::size_t>(rounds));

@@ -75,9 +75,7 @@ class SessionFollow : public SessionUndo {
 
 TEST_F(SessionFollow, BlockEqualsTheOwnersThroughRandomCutsUndoAndRedo) {
   std::mt19937 chance(20);
-  const auto pick = [&](double from, double to) {
-    return std::uniform_real_distribution(from, to)(chance);
-  };
+  const test::Uniform pick(chance);
   create();
   const ParticipantId hands[] = {join("Ada"), join("Bo")};
   std::vector<StrokeId> done, undone;

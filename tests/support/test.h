@@ -54,4 +54,5 @@
 #include <vector>
 
 #include "tests/support/content_of.h"
+#include "tests/support/uniform.h"
 #include "tests/support/value_of.h"

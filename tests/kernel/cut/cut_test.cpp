@@ -133,9 +133,7 @@ TEST(Cut, RepeatedPathChangesNothing) {
 
 std::vector<MoveTool> random_moves(unsigned seed, int count) {
   std::mt19937 random(seed);
-  const auto in = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
+  const test::Uniform in(random);
   std::vector<MoveTool> moves;
   for (int i = 0; i < count; ++i) {
     const Vec3 a = normalized({in(-0.5, 0.5), in(-0.5, 0.5), 1});

@@ -94,9 +94,7 @@ Carved carve(std::vector<Motion> motions, double tolerance) {
 Carved carve_at_random(unsigned seed, double tolerance) {
   std::vector<Motion> motions;
   std::mt19937 random(seed);
-  const auto in = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
+  const test::Uniform in(random);
   for (unsigned id = 0; id < 4; ++id) {
     const Tool tool = *make_tool(shapes()[(seed + id) % shapes().size()]);
     const Vec3 axis = normalized({in(-1, 1), in(-1, 1), in(0, 1)});

@@ -105,9 +105,7 @@ TEST(Degenerate, AxisParallelToMotion) {
 
 TEST(Degenerate, TranslationsAreExactForAnyTilt) {
   std::mt19937_64 random(8);
-  const auto in = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
+  const test::Uniform in(random);
   for (const NamedTool& t : every_tool()) {
     for (int k = 0; k < 8 * effort(); ++k) {
       SculptureSettings settings = small_block(1e-6);

@@ -135,9 +135,7 @@ void expect_same_as_free(const Case& c, const Tool& tool, const ToolPose& from, 
 
 TEST(Imprint, BuriedMotionHasTheForceOfAFreeOne) {
   std::mt19937_64 random(3);
-  const auto in = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
+  const test::Uniform in(random);
   for (Case c : every_case()) {
     for (const auto& [name, tool] : test::every_tool(0.6)) {
       const ToolPose from = test::leaning(kPlace, in(0, 0.4), in(0, 6.2));

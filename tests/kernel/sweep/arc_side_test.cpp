@@ -45,9 +45,7 @@ SideSpan meet(const ArcSide& side, const AlongRay& ray, const DiscSpan& discs) {
 /// that misses the side, the closest height is found.
 TEST(ArcSide, FindsTheRootOrTheClosestHeight) {
   std::mt19937_64 random(5);
-  const auto in = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
+  const test::Uniform in(random);
   int hits = 0, misses = 0;
   for (int k = 0; k < 3000; ++k) {
     const ArcPiece& arc = kSidesOfArcs[std::size_t(k) % std::size(kSidesOfArcs)];
@@ -87,9 +85,7 @@ TEST(ArcSide, FindsTheRootOrTheClosestHeight) {
 
 TEST(ArcSide, OnlyUpperEndsAboveTheTopAreLeftInexact) {
   std::mt19937_64 random(11);
-  const auto in = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
+  const test::Uniform in(random);
   int exact = 0, inexact = 0;
   for (int k = 0; k < 3000; ++k) {
     const ArcPiece& arc = kSidesOfArcs[std::size_t(k) % std::size(kSidesOfArcs)];
@@ -118,9 +114,7 @@ TEST(ArcSide, OnlyUpperEndsAboveTheTopAreLeftInexact) {
 /// Rays are packed into lanes in any order, and which rays are packed depends on the stock.
 TEST(ArcSide, LanesAreIndependent) {
   std::mt19937_64 random(7);
-  const auto in = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
+  const test::Uniform in(random);
   int hits = 0;
   for (int k = 0; k < 3000; ++k) {
     const ArcSide side(kSidesOfArcs[std::size_t(k) % std::size(kSidesOfArcs)]);

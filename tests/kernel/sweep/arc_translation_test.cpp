@@ -51,9 +51,7 @@ struct Reference {
 
 /// Returns a block of rays around a point of the motion.
 ColumnBlock block_near(const Reference& sweep, std::mt19937_64& random) {
-  const auto in = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
+  const test::Uniform in(random);
   const double scale = in(0.02, 1.5);
   const Vec3 corner = sweep.from.tip_mm + (sweep.to.tip_mm - sweep.from.tip_mm) * in(0, 1) +
                       sweep.from.axis * sweep.piece.z0_mm - Vec3{in(0, 8), in(0, 8), 0} * scale;
@@ -103,9 +101,7 @@ const ArcPiece kArcs[] = {{3, 2, 2, 0, 2},  // the corner of a bull-nose
 
 TEST(ArcTranslation, RemovesExactlyTheSweptVolume) {
   std::mt19937_64 random(7);
-  const auto in = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
+  const test::Uniform in(random);
   for (int k = 0; k < 150; ++k) {
     const ArcPiece& arc = kArcs[k % std::size(kArcs)];
     const Vec3 axis = normalized({in(-1, 1), in(-1, 1), in(-1, 1)});
@@ -170,9 +166,7 @@ void expect_rest(const Piece& piece, const Reference& sweep, std::mt19937_64& ra
 
 TEST(ArcTranslation, FirstPoseAndRemainderEqualTheWholeSweep) {
   std::mt19937_64 random(11);
-  const auto in = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
+  const test::Uniform in(random);
   const FrustumPiece cones[] = {{0, 5, 6, 5}, {0, 5, 6, 2}, {1, 0, 5, 4}};
   int arcs = 0, frusta = 0;
   for (int k = 0; k < 1200; ++k) {

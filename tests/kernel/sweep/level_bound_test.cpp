@@ -76,9 +76,7 @@ const ToolPiece kSlices[] = {FrustumPiece{0, 4, 12, 4},    FrustumPiece{1, 2, 6,
 /// Points over discs that are gone are in the first pose.
 TEST(LevelBound, BoundsEveryPointOfTheMovingSlice) {
   std::mt19937_64 random(5);
-  const auto in = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
+  const test::Uniform in(random);
   int bounded = 0, left_out = 0, gone = 0;
   for (int trial = 0; trial < 6000; ++trial) {
     const ToolPiece& slice = kSlices[trial % std::size(kSlices)];
@@ -130,9 +128,7 @@ const ToolShape kShapes[] = {
 /// starts are not.
 TEST(LevelBound, SkippedPartsWereAlreadyRemoved) {
   std::mt19937_64 random(7);
-  const auto in = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
+  const test::Uniform in(random);
   for (const ToolShape& shape : kShapes) {
     auto one = *Sculpture::create(settings_of(Rays::kDexel));
     auto two = *Sculpture::create(settings_of(Rays::kDexel));

@@ -47,9 +47,7 @@ const ToolPiece kSlices[] = {FrustumPiece{0, 4, 12, 4},    FrustumPiece{1, 2, 6,
 /// No point of the slice, at any share of a motion, is below the bound of a disc that it is over.
 TEST(Underside, NoPointOfTheMovingSliceIsBelowIt) {
   std::mt19937_64 random(3);
-  const auto in = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
+  const test::Uniform in(random);
   int bounded = 0, tested = 0;
   for (int k = 0; k < 400; ++k) {
     const ToolPiece& slice = kSlices[std::size_t(k) % std::size(kSlices)];

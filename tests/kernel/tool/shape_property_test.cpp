@@ -78,9 +78,7 @@ TEST_P(ShapeMotion, StaysWithinToleranceForAnyMotion) {
   const Case c = tools()[std::size_t(GetParam())];
   const Tool tool = *make_tool(c.shape);
   std::mt19937 random(unsigned(GetParam()) + 5);
-  const auto in = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
+  const test::Uniform in(random);
   for (int n = 0; n < 12; ++n) {
     SculptureSettings settings{.stock = BoxStock{{-12, -12, -kDepth}, {12, 12, 0}},
                                .pitch_mm = 1.3,

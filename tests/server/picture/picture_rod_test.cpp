@@ -20,9 +20,7 @@ double outside(const PictureRod& rod, Vec3 at) {
 
 TEST(PictureRod, HitAgreesWithAFineMarch) {
   std::mt19937_64 random(1);
-  const auto in = [&](double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random);
-  };
+  const test::Uniform in(random);
   const auto point = [&](double r) { return Vec3{in(-r, r), in(-r, r), in(-r, r)}; };
   int met = 0;
   constexpr double kStep = 1e-3;
