@@ -20,17 +20,10 @@ function openSocket(url: string, protocol: string): Socket {
   return new WebSocket(url, protocol) as unknown as Socket;
 }
 
+type JoinOptions = Partial<LinkOptions> & { firstRetryMs?: number };
+
 /** Connects to the fake server; events update a model, mesh frames count as applied. */
-function join(
-  port: number,
-  session: string,
-  probe: LinkOptions['probe'] = () => Promise.resolve({}),
-  reloadAt: LinkOptions['reloadAt'] = () => false,
-  firstRetryMs = 5,
-  name = 'Tester',
-  open: LinkOptions['open'] = openSocket,
-  needsTiles: () => Promise<void> = () => Promise.resolve(),
-) {
+function join(port: number, session: string, { firstRetryMs = 5, ...others }: JoinOptions = {}) {
   const model = new SessionModel();
   const statuses: LinkStatus[] = [];
   const reasons: string[] = [];
@@ -40,15 +33,16 @@ function join(
   const link = new ViewLink(
     {
       url: `ws://127.0.0.1:${port}/v1/sessions/${session}/view`,
-      name,
-      open,
-      probe,
+      name: 'Tester',
+      open: openSocket,
+      probe: () => Promise.resolve({}),
       look: () => (model.welcome ? CAMERA : null),
-      needsTiles,
-      reloadAt,
+      needsTiles: () => Promise.resolve(),
+      reloadAt: () => false,
       budget: 0,
       nowMs: () => performance.now(),
       backoff: new Backoff(firstRetryMs, 4 * firstRetryMs),
+      ...others,
     },
     {
       greeted: () => undefined,
@@ -83,7 +77,11 @@ describe('view link', () => {
   });
   afterEach(() => server.close());
 
-  const soon = { timeout: 10_000, interval: 5 };
+  const soon = (check: () => void): Promise<void> =>
+    vi.waitFor(check, { timeout: 10_000, interval: 5 });
+  /** Waits until a link has been connected `count` times. */
+  const connected = (statuses: LinkStatus[], count: number): Promise<void> =>
+    soon(() => expect(statuses.filter((status) => status === 'connected')).toHaveLength(count));
 
   /** A greeted connection, with a record of its events. */
   async function greeted() {
@@ -100,44 +98,34 @@ describe('view link', () => {
       come.isClosed = true;
       onclose?.(event);
     };
-    await vi.waitFor(() => expect(server.hellos).toEqual(['Early']), soon);
+    await soon(() => expect(server.hellos).toEqual(['Early']));
     return { early, come };
   }
 
   it('joins, receives participants and tools, and measures the round trip', async () => {
     const { link, model } = join(server.port, 'demo');
-    await vi.waitFor(
-      () => expect(model.participants.get(1)?.forces.count).toBeGreaterThan(2),
-      soon,
-    );
+    await soon(() => expect(model.participants.get(1)?.forces.count).toBeGreaterThan(2));
     expect(model.status).toBe('connected');
     expect(server.hellos).toEqual(['Tester']);
     link.sendLook({ eye_mm: [1, 2, 300], error_rad: 0.0005 });
-    await vi.waitFor(
-      () =>
-        expect(server.lookMessages).toEqual([
-          { type: 'look', eye_mm: [1, 2, 300], error_rad: 0.0005 },
-        ]),
-      soon,
+    await soon(() =>
+      expect(server.lookMessages).toEqual([
+        { type: 'look', eye_mm: [1, 2, 300], error_rad: 0.0005 },
+      ]),
     );
     expect(model.participants.carvers().map((p) => p.info.name)).toEqual(['Ada', 'Linus']);
-    await vi.waitFor(() => expect(model.clock.rttMs).toBeGreaterThan(0), soon);
+    await soon(() => expect(model.clock.rttMs).toBeGreaterThan(0));
     link.stop();
   });
 
   it('takes a connection that was greeted before it was there, and all that has come', async () => {
     const { early, come } = await greeted();
-    await vi.waitFor(() => expect(come.messages).toBeGreaterThan(3), soon);
-    const { link, model, applied, statuses } = join(
-      server.port,
-      'demo',
-      undefined,
-      undefined,
-      undefined,
-      'Early',
-      () => early.take(),
-    );
-    await vi.waitFor(() => expect(server.acks.length).toBeGreaterThan(4), soon);
+    await soon(() => expect(come.messages).toBeGreaterThan(3));
+    const { link, model, applied, statuses } = join(server.port, 'demo', {
+      name: 'Early',
+      open: () => early.take(),
+    });
+    await soon(() => expect(server.acks.length).toBeGreaterThan(4));
     expect(server.hellos).toEqual(['Early']);
     expect(statuses).toEqual(['connecting', 'connected']);
     expect(model.participants.carvers()).toHaveLength(2);
@@ -148,25 +136,20 @@ describe('view link', () => {
   it('joins once more by itself when the greeted connection is lost before it is taken', async () => {
     const { early, come } = await greeted();
     server.dropViewers();
-    await vi.waitFor(() => expect(come.isClosed).toBe(true), soon);
+    await soon(() => expect(come.isClosed).toBe(true));
     let opened = 0;
-    const { link, model } = join(
-      server.port,
-      'demo',
-      undefined,
-      undefined,
-      undefined,
-      'Early',
-      (to, protocol) => (opened++ === 0 ? early.take() : openSocket(to, protocol)),
-    );
-    await vi.waitFor(() => expect(model.state).not.toBeNull(), soon);
+    const { link, model } = join(server.port, 'demo', {
+      name: 'Early',
+      open: (to, protocol) => (opened++ === 0 ? early.take() : openSocket(to, protocol)),
+    });
+    await soon(() => expect(model.state).not.toBeNull());
     expect(server.hellos).toEqual(['Early', 'Early']);
     link.stop();
   });
 
   it('acknowledges each mesh frame in order after it was applied', async () => {
     const { link, applied } = join(server.port, 'demo');
-    await vi.waitFor(() => expect(server.acks.length).toBeGreaterThan(4), soon);
+    await soon(() => expect(server.acks.length).toBeGreaterThan(4));
     link.stop();
     expect(server.acks).toEqual(applied.slice(0, server.acks.length));
   });
@@ -174,34 +157,27 @@ describe('view link', () => {
   it('applies mesh frames at once, and acknowledges them when more are of use', async () => {
     let needsMore = (): void => undefined;
     const needed = new Promise<void>((resolve) => (needsMore = resolve));
-    const probe = () => Promise.resolve({});
-    const { link, applied } = join(
-      ...([server.port, 'demo', probe, () => false, 5, 'Tester', openSocket] as const),
-      () => needed,
-    );
-    await vi.waitFor(() => expect(applied.length).toBeGreaterThan(0), soon);
+    const { link, applied } = join(server.port, 'demo', { needsTiles: () => needed });
+    await soon(() => expect(applied.length).toBeGreaterThan(0));
     link.sendLook({ eye_mm: [1, 2, 300], error_rad: 0.0005 }); // comes after the earlier frames
-    await vi.waitFor(() => expect(server.lookMessages).toHaveLength(1), soon);
+    await soon(() => expect(server.lookMessages).toHaveLength(1));
     expect(server.acks).toEqual([]);
     needsMore();
-    await vi.waitFor(() => expect(server.acks.length).toBeGreaterThan(0), soon);
+    await soon(() => expect(server.acks.length).toBeGreaterThan(0));
     link.stop();
     expect(server.acks).toEqual(applied.slice(0, server.acks.length));
   });
 
   it('reconnects after a connection loss and receives a complete snapshot again', async () => {
     const { link, model, statuses } = join(server.port, 'demo');
-    await vi.waitFor(() => expect(model.state).not.toBeNull(), soon);
+    await soon(() => expect(model.state).not.toBeNull());
     server.dropViewers();
-    await vi.waitFor(
-      () => expect(statuses.filter((status) => status === 'connected')).toHaveLength(2),
-      soon,
-    );
+    await connected(statuses, 2);
     expect(server.hellos).toHaveLength(2);
     // The first look follows the welcome, which has the size of the block.
     expect(server.firstLooks).toEqual([true, CAMERA]);
     expect(model.tiles.complete).toBe(false);
-    await vi.waitFor(() => expect(model.state).not.toBeNull(), soon);
+    await soon(() => expect(model.state).not.toBeNull());
     link.stop();
     expect(statuses).toEqual(
       expect.arrayContaining(['connecting', 'connected', 'reconnecting', 'stopped']),
@@ -209,7 +185,7 @@ describe('view link', () => {
   });
 
   it('knows the name under which it joins, which may be too long', () => {
-    const { link } = join(server.port, 'demo', undefined, undefined, 5, 'x'.repeat(70));
+    const { link } = join(server.port, 'demo', { name: 'x'.repeat(70) });
     expect(link.name).toBe('x'.repeat(64));
     link.rename('Ada');
     expect(link.name).toBe('Ada');
@@ -218,31 +194,21 @@ describe('view link', () => {
 
   it('joins again under another name, and keeps it', async () => {
     const { link, statuses } = join(server.port, 'demo');
-    const joined = (count: number) =>
-      vi.waitFor(
-        () => expect(statuses.filter((status) => status === 'connected')).toHaveLength(count),
-        soon,
-      );
-    await joined(1);
+    await connected(statuses, 1);
     link.rename('Grace');
-    await joined(2);
+    await connected(statuses, 2);
     server.dropViewers();
-    await joined(3);
+    await connected(statuses, 3);
     expect(server.hellos).toEqual(['Tester', 'Grace', 'Grace']);
     link.stop();
   });
 
   it('cuts names to the limit of the server', async () => {
     const long = 'ü'.repeat(40);
-    const { link, statuses, names } = join(server.port, 'demo', undefined, undefined, 5, long);
-    const joined = (count: number) =>
-      vi.waitFor(
-        () => expect(statuses.filter((status) => status === 'connected')).toHaveLength(count),
-        soon,
-      );
-    await joined(1);
+    const { link, statuses, names } = join(server.port, 'demo', { name: long });
+    await connected(statuses, 1);
     link.rename('木'.repeat(40));
-    await joined(2);
+    await connected(statuses, 2);
     link.stop();
     expect(server.hellos).toEqual(['ü'.repeat(32), '木'.repeat(21)]);
     expect(names).toEqual(['木'.repeat(21)]);
@@ -250,44 +216,41 @@ describe('view link', () => {
 
   it('reports a new name once the server has welcomed the viewer under it', async () => {
     const { link, model, names, reasons } = join(server.port, 'demo');
-    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    await soon(() => expect(model.status).toBe('connected'));
     server.refusedName = 'Grace';
     link.rename('Grace');
-    await vi.waitFor(() => expect(reasons).toContain('name must be at most 64 bytes'), soon);
+    await soon(() => expect(reasons).toContain('name must be at most 64 bytes'));
     expect(names).toEqual([]);
     server.refusedName = null;
-    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    await soon(() => expect(model.status).toBe('connected'));
     expect(names).toEqual(['Grace']);
     link.stop();
   });
 
   it('says when it tries again, and tries at once when asked', async () => {
-    const { link, model, statuses } = join(server.port, 'demo', undefined, undefined, 60_000);
-    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    const { link, model, statuses } = join(server.port, 'demo', { firstRetryMs: 60_000 });
+    await soon(() => expect(model.status).toBe('connected'));
     expect(link.retryAtMs).toBeNull();
     server.dropViewers();
-    await vi.waitFor(() => expect(link.retryAtMs).not.toBeNull(), soon);
+    await soon(() => expect(link.retryAtMs).not.toBeNull());
     expect(link.retryAtMs! - performance.now()).toBeGreaterThan(30_000);
     link.retryNow();
     expect(link.retryAtMs).toBeNull();
-    await vi.waitFor(
-      () => expect(statuses.filter((status) => status === 'connected')).toHaveLength(2),
-      soon,
-    );
+    await connected(statuses, 2);
     link.stop();
   });
 
   it('stops with the reason if the session does not exist', async () => {
-    const { model } = join(server.port, 'nowhere', () =>
-      Promise.resolve({ final: 'There is no session “nowhere” on this server.' }),
-    );
-    await vi.waitFor(() => expect(model.status).toBe('stopped'), soon);
+    const { model } = join(server.port, 'nowhere', {
+      probe: () => Promise.resolve({ final: 'There is no session “nowhere” on this server.' }),
+    });
+    await soon(() => expect(model.status).toBe('stopped'));
     expect(model.statusReason).toContain('nowhere');
   });
 
   it('stops when the server reports an unknown session', async () => {
     const { model } = join(server.port, 'demo');
-    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    await soon(() => expect(model.status).toBe('connected'));
     const text = JSON.stringify({
       type: 'error',
       code: 'unknown_session',
@@ -295,13 +258,13 @@ describe('view link', () => {
       fatal: true,
     });
     for (const { ws } of server.viewers) ws.send(text);
-    await vi.waitFor(() => expect(model.status).toBe('stopped'), soon);
+    await soon(() => expect(model.status).toBe('stopped'));
     expect(model.statusReason).toBe('The session was closed.');
   });
 
   it('reconnects after a temporary fatal error', async () => {
     const { link, model, statuses } = join(server.port, 'demo');
-    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    await soon(() => expect(model.status).toBe('connected'));
     const text = JSON.stringify({
       type: 'error',
       code: 'no_hello',
@@ -309,21 +272,18 @@ describe('view link', () => {
       fatal: true,
     });
     for (const { ws } of server.viewers) ws.send(text);
-    await vi.waitFor(
-      () => expect(statuses.filter((status) => status === 'connected')).toHaveLength(2),
-      soon,
-    );
+    await connected(statuses, 2);
     link.stop();
   });
 
   it('reports the reason of a bye message', async () => {
     const { link, model, reasons } = join(server.port, 'demo');
-    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    await soon(() => expect(model.status).toBe('connected'));
     for (const { ws } of server.viewers) {
       ws.send(JSON.stringify({ type: 'bye', reason: 'The server is going down.' }));
       ws.close(1001);
     }
-    await vi.waitFor(() => expect(reasons).toContain('The server is going down.'), soon);
+    await soon(() => expect(reasons).toContain('The server is going down.'));
     link.stop();
   });
 
@@ -349,24 +309,24 @@ describe('view link', () => {
 
   it('reports invalid messages and stays connected', async () => {
     const { link, model } = join(server.port, 'demo');
-    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    await soon(() => expect(model.status).toBe('connected'));
     for (const { ws } of server.viewers) {
       ws.send(new Uint8Array([1, 2, 3]));
       ws.send('{"type":"welcome"}');
       ws.send('not json');
     }
-    await vi.waitFor(() => expect(model.problems).toBe(3), soon);
+    await soon(() => expect(model.problems).toBe(3));
     const motions = model.state?.motions ?? 0;
-    await vi.waitFor(() => expect(model.state?.motions ?? 0).toBeGreaterThan(motions), soon);
+    await soon(() => expect(model.state?.motions ?? 0).toBeGreaterThan(motions));
     expect(model.status).toBe('connected');
     link.stop();
   });
 
   it('does not reconnect after stop', async () => {
     const { link, model } = join(server.port, 'demo');
-    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    await soon(() => expect(model.status).toBe('connected'));
     link.stop('Enough.');
-    await vi.waitFor(() => expect(server.viewers.size).toBe(0), soon);
+    await soon(() => expect(server.viewers.size).toBe(0));
     await turn();
     expect(link.retryAtMs).toBeNull();
     expect(model.status).toBe('stopped');
