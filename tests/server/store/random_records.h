@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
-#include <map>
-#include <random>
-#include <vector>
-
 #include "server/formats/pose_grid.h"
 #include "server/store/record_batch.h"
+#include "tests/support/test.h"
 
 namespace kerf::test {
 

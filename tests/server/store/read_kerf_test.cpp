@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program of the manual that reads a .kerf file (web/manual/read_kerf.py).
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <variant>
-#include <vector>
 
 #include "server/store/journal_reader.h"
 #include "server/store/journal_writer.h"
 #include "tests/server/store/random_records.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace kerf::read_kerf_test {
 namespace {
