@@ -18,7 +18,7 @@ namespace kerf::paper {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kBlockHeightMm = 10, kBallMm = 7;
+constexpr double kBlockHeightMm = 10, kWideBallMm = 7;
 
 /// Fig. 1: each column that the ball meets has the ends of the circle, and all other columns are
 /// whole.
@@ -31,7 +31,7 @@ Finding dexels_are_shortened_and_broken() {
     const DexelGrid& grid = field.grid();
     for (std::int32_t n = 0; n < grid.columns_x * grid.columns_y; ++n) {
       const double dx = grid.x_mm(n % grid.columns_x) - 10;
-      const double reach = kBallMm * kBallMm / 4 - dx * dx;
+      const double reach = kWideBallMm * kWideBallMm / 4 - dx * dx;
       std::vector<double> expected{0, kBlockHeightMm};
       if (reach > 0) {
         const double low = height - std::sqrt(reach), high = height + std::sqrt(reach);
@@ -173,7 +173,7 @@ Finding the_tight_model_needs_fewer_cuts() {
 
 Sculpture columns_cut_at(double height_mm) {
   SculptureSettings settings{.stock = BoxStock{{0, 0, 0}, {20, 8, kBlockHeightMm}}, .pitch_mm = 2};
-  Sculpture block = block_of(settings, BallShape{kBallMm, 40});
+  Sculpture block = block_of(settings, BallShape{kWideBallMm, 40});
   const Vec3 axis{0, -1, 0};
   block.apply(MoveTool{1, {{10, -4, height_mm}, axis}, {{10, 14, height_mm}, axis}}).value();
   return block;
