@@ -7,18 +7,17 @@
 namespace kerf::area_path_test {
 namespace {
 
-// The distance of a point from a path; arcs are sampled.
-double distance_from(const AreaPath& path, double x, double y) {
-  double least = std::numeric_limits<double>::infinity();
-  const auto to_segment = [&](double ax, double ay, double bx, double by) {
-    const double dx = bx - ax, dy = by - ay, size = dx * dx + dy * dy;
-    const double t = size > 0 ? std::clamp(((x - ax) * dx + (y - ay) * dy) / size, 0.0, 1.0) : 0;
-    least = std::min(least, std::hypot(ax + t * dx - x, ay + t * dy - y));
-  };
+struct Segment {
+  double ax, ay, bx, by;
+};
+
+/// The segments of a path; an arc is sampled.
+std::vector<Segment> segments_of(const AreaPath& path) {
+  std::vector<Segment> segments;
   for (std::size_t i = 1; i < path.size(); ++i) {
     const AreaMove &a = path[i - 1], &b = path[i];
     if (b.turns == 0) {
-      to_segment(a.x, a.y, b.x, b.y);
+      segments.push_back({a.x, a.y, b.x, b.y});
       continue;
     }
     const double radius = std::hypot(b.x - b.center_x, b.y - b.center_y);
@@ -29,9 +28,19 @@ double distance_from(const AreaPath& path, double x, double y) {
     constexpr int kChords = 64;
     for (int n = 0; n < kChords; ++n) {
       const double p = from + sweep * n / kChords, q = from + sweep * (n + 1) / kChords;
-      to_segment(b.center_x + radius * std::cos(p), b.center_y + radius * std::sin(p),
-                 b.center_x + radius * std::cos(q), b.center_y + radius * std::sin(q));
+      segments.push_back({b.center_x + radius * std::cos(p), b.center_y + radius * std::sin(p),
+                          b.center_x + radius * std::cos(q), b.center_y + radius * std::sin(q)});
     }
+  }
+  return segments;
+}
+
+double distance_from(const std::vector<Segment>& segments, double x, double y) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& [ax, ay, bx, by] : segments) {
+    const double dx = bx - ax, dy = by - ay, size = dx * dx + dy * dy;
+    const double t = size > 0 ? std::clamp(((x - ax) * dx + (y - ay) * dy) / size, 0.0, 1.0) : 0;
+    least = std::min(least, std::hypot(ax + t * dx - x, ay + t * dy - y));
   }
   return least;
 }
@@ -39,12 +48,13 @@ double distance_from(const AreaPath& path, double x, double y) {
 // Every point inside a shape is cut, and no point outside. `depth` is the distance into the shape.
 void expect_cut(const AreaPath& path, double tool, double reach,
                 const std::function<double(double, double)>& depth) {
+  const std::vector<Segment> segments = segments_of(path);
   const double margin = 0.02;
   for (double x = -reach; x <= reach; x += 0.173)
     for (double y = -reach; y <= reach; y += 0.191) {
       const double in = depth(x, y);
       if (std::abs(in) < margin) continue;
-      const bool cut = distance_from(path, x, y) <= tool + 0.01;
+      const bool cut = distance_from(segments, x, y) <= tool + 0.01;
       ASSERT_EQ(cut, in > 0) << x << " " << y;
     }
 }
@@ -69,12 +79,12 @@ TEST(AreaPath, PocketsAreClearedToTheirWallsAndNoFurther) {
 }
 
 TEST(AreaPath, StudsRemainInTheirBlank) {
-  const auto path = test::value_of(mill_stud({10, 6, 1}, {16, 14, 0}, 2, 1.5));
+  const auto segments = segments_of(test::value_of(mill_stud({10, 6, 1}, {16, 14, 0}, 2, 1.5)));
   for (double x = -8; x <= 8; x += 0.173)
     for (double y = -7; y <= 7; y += 0.191) {
       const double in = in_rectangle(x, y, 10, 6, 1);
       if (std::abs(in) < 0.02) continue;
-      ASSERT_EQ(distance_from(path, x, y) <= 2.01, in < 0) << x << " " << y;
+      ASSERT_EQ(distance_from(segments, x, y) <= 2.01, in < 0) << x << " " << y;
     }
 }
 
@@ -93,8 +103,9 @@ TEST(AreaPath, SlotsFollowTheirArc) {
 
 TEST(AreaPath, FacesAreCoveredByTheirStrokes) {
   const auto path = test::value_of(face(20, -13, true, 3, 5));
+  const auto segments = segments_of(path);
   for (double x = 0; x <= 20; x += 0.7)
-    for (double y = -13; y <= 0; y += 0.7) EXPECT_LE(distance_from(path, x, y), 3);
+    for (double y = -13; y <= 0; y += 0.7) EXPECT_LE(distance_from(segments, x, y), 3);
   EXPECT_EQ(path.front().x, 0);
 }
 
