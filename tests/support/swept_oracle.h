@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <variant>
 
 #include "kernel/math/span.h"
@@ -52,20 +53,26 @@ inline double outside(const ToolPiece& piece, const ToolPose& pose, Vec3 point) 
 }
 
 /// Returns the heights at which the vertical line through (x, y) is inside a piece at one pose, by
-/// bisection of a convex function.
+/// bisection of a convex function. Its slope is 1 at most, so a value above the length of an
+/// interval that holds the least one shows that the line is outside.
 inline Span static_span(const ToolPiece& piece, const ToolPose& pose, double x, double y,
                         double z_lo, double z_hi) {
   const auto f = [&](double z) { return outside(piece, pose, {x, y, z}); };
   double a = z_lo, b = z_hi;
-  for (int i = 0; i < 120; ++i) {
+  std::optional<double> inside;
+  for (int i = 0; i < 120 && !inside; ++i) {
     const double m1 = a + (b - a) * 0.382, m2 = b - (b - a) * 0.382;
-    if (f(m1) < f(m2)) {
+    const double f1 = f(m1), f2 = f(m2);
+    if (std::min(f1, f2) > b - a) return {};
+    if (f1 <= 0) inside = m1;
+    if (f2 <= 0) inside = m2;
+    if (f1 < f2) {
       b = m2;
     } else {
       a = m1;
     }
   }
-  const double inner = (a + b) / 2;
+  const double inner = inside.value_or((a + b) / 2);
   if (!(f(inner) <= 0)) return {};
   const auto edge = [&](double in, double out) {
     if (f(out) <= 0) return out;
