@@ -46,13 +46,17 @@ TEST(DerivedScene, AProgramThatLoadsNoToolUsesTheOnlyOneThatItDescribes) {
 }
 
 TEST(DerivedScene, ADoubtfulToolIsAssumed) {
-  const std::string cuts = "T1 M6\nG0 X0 Y0 Z5\nG1 Z-1 F100\nX9\nM2\n";
-  const auto is_assumed = [&](const std::string& comment) {
-    return derived("G21 G90\n" + comment + cuts).scene.tools.at(1).assumed;
+  const std::string cuts = "G0 X0 Y0 Z5\nG1 Z-1 F100\nX9\n";
+  const auto is_assumed = [&](const std::string& program) {
+    return derived("G21 G90\n" + program + cuts + "M2\n").scene.tools.at(1).assumed;
   };
-  EXPECT_FALSE(is_assumed("(T1 6mm END MILL)\n"));
-  EXPECT_TRUE(is_assumed("(T1 6mm END MILL 03-0086)\n"));
-  EXPECT_TRUE(is_assumed(""));
+  EXPECT_FALSE(is_assumed("(T1 6mm END MILL)\nT1 M6\n"));
+  EXPECT_TRUE(is_assumed("(T1 6mm END MILL 03-0086)\nT1 M6\n")) << "a word is not understood";
+  EXPECT_TRUE(is_assumed("T1 M6\n")) << "nothing describes it";
+  // FreeCAD's post for grbl writes tool changes as comments.
+  const std::string first = "(6mm End Mill)\n( M6 T3 )\n";
+  EXPECT_FALSE(is_assumed(first));
+  EXPECT_TRUE(is_assumed(first + cuts + "(3mm End Mill)\n( M6 T4 )\n")) << "either may cut";
 }
 
 TEST(DerivedScene, RequestedValuesTakePrecedence) {
