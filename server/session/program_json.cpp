@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <string>
+
+#include "server/formats/number_text.h"
+#include "server/verify/cut_depth.h"
 
 namespace kerf {
 namespace {
@@ -22,10 +26,11 @@ const char* unit_of(AlarmKind kind) {
 }
 
 /// Explains the limit of an alarm.
-const char* reason_of(AlarmKind kind) {
+std::string reason_of(AlarmKind kind) {
   switch (kind) {
     case AlarmKind::kRapid:
-      return "a rapid cut deeper into the stock than 0.02 mm and the scene's tolerance";
+      return "a rapid cut deeper into the stock than " + exact_text(kRapidDepthMm) +
+             " mm and the scene's tolerance";
     case AlarmKind::kShank:
       return "shank or holder entered the stock by more than the scene's tolerance";
     case AlarmKind::kObstacle:

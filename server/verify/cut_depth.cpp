@@ -11,12 +11,11 @@
 namespace kerf {
 namespace {
 
-/// Depths up to this multiple of the deepest so far are not looked for.
-constexpr double kAccuracy = 1.1;
-/// A removed element is sampled at least at this fraction of the pitch.
+/// Depths that exceed the deepest so far by less than this fraction of the pitch are not looked
+/// for. A fraction of the depth would hide more of a deep cut than of a shallow one.
+constexpr double kAccuracyShare = 0.1;
+/// Least distance between the samples of a removed element, as a fraction of the pitch.
 constexpr double kSampleShare = 0.5;
-/// Cost of comparing a row of a tile, in 1/32 of a distance.
-constexpr std::size_t kRowsPerDistance = 32;
 
 MovingTool moving(const ToolProfile& profile, const Tool& tool, const ToolPose& from,
                   const ToolPose& to) {
@@ -36,21 +35,25 @@ CutDepth::CutDepth(const Tool& tool, const ToolPose& from, const ToolPose& to, d
       within_(within),
       rows_(std::move(before), std::move(after), cut) {}
 
-double CutDepth::sought_mm() const { return std::max(ignored_mm_, kAccuracy * depth_mm_); }
+double CutDepth::sought_mm() const {
+  return std::max(ignored_mm_, depth_mm_ + kAccuracyShare * rows_.after().grid().pitch_mm);
+}
+
+/// No point is deeper in a tool than its radius.
+bool CutDepth::is_deepest() const { return sought_mm() >= profile_.radius_mm(); }
 
 bool CutDepth::advance(std::size_t distances) {
-  const std::size_t distances_end = distances_ + distances;
-  const std::size_t rows_end = rows_.visited() + distances * kRowsPerDistance;
-  // No point is deeper in a tool than its radius.
-  while (!rows_.is_done() && sought_mm() < profile_.radius_mm()) {
-    if (distances_ >= distances_end || rows_.visited() >= rows_end) return false;
-    rows_.visit_next([this](std::int32_t i, std::int32_t j) { measure(i, j); });
-  }
-  return true;
+  if (is_deepest()) return true;
+  return rows_.advance(distances, [this](std::int32_t i, std::int32_t j) {
+    const std::size_t before = distances_;
+    measure(i, j);
+    return distances_ - before;
+  });
 }
 
 void CutDepth::measure(std::int32_t i, std::int32_t j) {
   const DexelGrid& grid = rows_.after().grid();
+  if (is_deepest()) return;
   if (within_ != nullptr && !within_->contains(grid.x_mm(i), grid.y_mm(j))) return;
   const std::span<const Dexel> left = rows_.after().column(i, j, left_);
   subtract(rows_.before().column(i, j, whole_), left, removed_);

@@ -28,8 +28,10 @@ constexpr double rapid_limit_mm(double tolerance_mm) {
 /// Measures how deep a motion has cut into the stock: the greatest distance of removed material
 /// from the surface of the tool's sweep. A tool that passes over a surface that is too high by the
 /// tolerance cuts no deeper than the tolerance, on a floor and on a wall alike, however much it
-/// removes. Measured in the columns along Z, every half pitch, to a tenth. The work is done in
-/// portions.
+/// removes. Measured in the columns along Z, every half pitch. The result is at most a pitch too
+/// small, because a sample lies within 0.75 pitches of the deepest point, and the deepest sample is
+/// found to 0.1 pitches; in walls thinner than a pitch there may be no such sample. The work is
+/// done in portions.
 class CutDepth {
  public:
   /// A motion of a tool. `cut` are the tiles that lost material (MotionResult::cut_tiles). Depths
@@ -51,6 +53,7 @@ class CutDepth {
   void measure(std::int32_t i, std::int32_t j);
   void measure(std::int32_t i, std::int32_t j, const Dexel& removed);
   double sought_mm() const;
+  bool is_deepest() const;
   bool is_shallow(const Dexel& removed, std::span<const Dexel> left) const;
 
   ToolProfile profile_;

@@ -4,12 +4,6 @@
 #include <utility>
 
 namespace kerf {
-namespace {
-
-/// Cost of comparing a row of a tile, in 1/32 of a distance.
-constexpr std::size_t kRowsOfDistance = 32;
-
-}  // namespace
 
 GougeCheck::GougeCheck(const GougeReference& reference, DexelSnapshot before, DexelSnapshot after,
                        const std::vector<FieldTile>& cut)
@@ -17,13 +11,11 @@ GougeCheck::GougeCheck(const GougeReference& reference, DexelSnapshot before, De
       columns_(*reference.part, reference.tolerance_mm) {}
 
 bool GougeCheck::advance(std::size_t distances) {
-  const std::size_t distances_end = columns_.distances() + distances;
-  const std::size_t rows_end = rows_.visited() + distances * kRowsOfDistance;
-  while (!rows_.is_done()) {
-    if (columns_.distances() >= distances_end || rows_.visited() >= rows_end) return false;
-    rows_.visit_next([this](std::int32_t i, std::int32_t j) { measure(i, j); });
-  }
-  return true;
+  return rows_.advance(distances, [this](std::int32_t i, std::int32_t j) {
+    const std::size_t before = columns_.distances();
+    measure(i, j);
+    return columns_.distances() - before;
+  });
 }
 
 void GougeCheck::measure(std::int32_t i, std::int32_t j) {

@@ -11,6 +11,8 @@ namespace kerf::cut_depth_test {
 namespace {
 
 constexpr double kPitchMm = 0.5;
+/// The deepest sample is found to a tenth of a pitch; numbers are rounded.
+constexpr double kFoundMm = 0.1 * kPitchMm, kRoundingMm = 1e-6;
 const Vec3 kUp{0, 0, 1};
 
 class CutDepthTest : public testing::Test {
@@ -47,15 +49,19 @@ TEST_F(CutDepthTest, AMotionOutsideOfTheStockHasNone) {
 }
 
 TEST_F(CutDepthTest, ASlotIsAsDeepAsTheToolIsBelowTheTop) {
-  const double found_mm = depth(1, {{-5, 15, -0.4}, kUp}, {{45, 15, -0.4}, kUp});
-  EXPECT_GE(found_mm, 0.4 / 1.1);
-  EXPECT_LE(found_mm, 0.4 + 1e-6);
+  double y_mm = 5;
+  for (const double deep_mm : {0.4, 1.3, 2.0}) {
+    const double found_mm = depth(1, {{-5, y_mm, -deep_mm}, kUp}, {{45, y_mm, -deep_mm}, kUp});
+    EXPECT_GE(found_mm, deep_mm - kFoundMm);
+    EXPECT_LE(found_mm, deep_mm + kRoundingMm);
+    y_mm += 8.1;
+  }
 }
 
 /// Inside the tool the nearest surface of the sweep is its side.
 TEST_F(CutDepthTest, ADeepSlotIsHalfAsDeepAsItIsWide) {
   const double found_mm = depth(1, {{-5, 15, -10}, kUp}, {{45, 15, -10}, kUp});
-  EXPECT_GE(found_mm, 3 / 1.1);
+  EXPECT_GE(found_mm, 3 - kPitchMm);
   EXPECT_LE(found_mm, 3);
 }
 
@@ -64,7 +70,7 @@ TEST_F(CutDepthTest, AlongAWallOnlyTheThicknessCounts) {
   cut(1, {{-5, 15, -20}, kUp}, {{45, 15, -20}, kUp});
   const double found_mm = depth(1, {{-5, 15.4, -20}, kUp}, {{45, 15.4, -20}, kUp});
   EXPECT_GE(found_mm, 0.1);
-  EXPECT_LE(found_mm, 0.4 + 1e-6);
+  EXPECT_LE(found_mm, 0.4 + kRoundingMm);
 }
 
 TEST_F(CutDepthTest, BackAlongItsOwnPathAToolHasNone) {
@@ -82,8 +88,8 @@ TEST_F(CutDepthTest, APlateThatIsCutThroughCountsFromTheBottomOfTheTool) {
   block_.apply(DefineTool{1, make_tool(FlatShape{.diameter_mm = 6, .length_mm = 30}).value()})
       .value();
   const double found_mm = depth(1, {{-5, 15, -2.5}, kUp}, {{45, 15, -2.5}, kUp}, 2.2);
-  EXPECT_GE(found_mm, 2.5 / 1.1);
-  EXPECT_LE(found_mm, 2.5 + 1e-6);
+  EXPECT_GE(found_mm, 2.5 - kPitchMm / 2);
+  EXPECT_LE(found_mm, 2.5 + kRoundingMm);
 }
 
 TEST_F(CutDepthTest, OnlyColumnsInAnOutlineCount) {
@@ -106,7 +112,7 @@ TEST_F(CutDepthTest, OnlyColumnsInAnOutlineCount) {
   };
   EXPECT_EQ(depth_at({5, 10, -2}), 0);
   EXPECT_EQ(depth_at({28, 20, -2}), 0);
-  EXPECT_GE(depth_at({15, 8, -2}), 2 / 1.1);
+  EXPECT_GE(depth_at({15, 8, -2}), 2 - kFoundMm);
 }
 
 /// The greatest depth of the points that a motion has removed, in steps of a quarter pitch.
@@ -155,7 +161,7 @@ TEST_F(CutDepthTest, EqualsADenseSearchForRandomMotions) {
     const MovingTool moving{&profile, from, to, std::acos(std::min(1.0, dot(from.axis, to.axis))),
                             length(to.tip_mm - from.tip_mm)};
     const double dense_mm = dense_depth(moving, before, block_.snapshot());
-    EXPECT_GE(found_mm, (dense_mm - kPitchMm / 2) / 1.1) << n;
+    EXPECT_GE(found_mm, dense_mm - kPitchMm / 4 - kFoundMm) << n;
     EXPECT_LE(found_mm, dense_mm + kPitchMm / 8) << n;
   }
 }
