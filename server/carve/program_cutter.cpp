@@ -42,7 +42,7 @@ std::expected<std::vector<ProgramCut>, std::string> ProgramCutter::cut(
   std::int64_t tiles = 0;
   for (const ProgramMotion& motion : motions) {
     if (moves.size() == kMotionsTogether || tiles >= kTilesTogether) break;
-    if (is_rapid_near_stock(motion)) break;
+    if (!moves.empty() && is_rapid_near_stock(motion)) break;
     if (auto ok = check(motion); !ok) return std::unexpected(std::move(ok.error()));
     moves.push_back(move_of(motion));
     tiles += sculpture_.tiles_in_reach(moves.back());

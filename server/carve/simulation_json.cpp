@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <utility>
 
 #include "server/formats/machine_kinematics.h"
 #include "server/verify/cut_depth.h"
@@ -74,27 +75,24 @@ void add_contacts(Json& list, const Program& program, const ContactRuns& contact
   }
 }
 
-Json imprints_json(const Program& program, const std::vector<LineVolume>& lines) {
+// Lists lines with their place and tool; `add` adds the other fields.
+Json lines_json(const Program& program, const std::vector<LineVolume>& lines,
+                void (*add)(const LineVolume& line, Json& entry)) {
   Json list = Json::array();
   for (const LineVolume& line : lines) {
     if (list.size() >= kListMax) break;
-    list.push_back({{"place", place_of(program, line.file, line.line)},
-                    {"tool", line.tool},
-                    {"imprint_mm3", line.mm3}});
+    Json entry{{"place", place_of(program, line.file, line.line)}, {"tool", line.tool}};
+    add(line, entry);
+    list.push_back(std::move(entry));
   }
   return list;
 }
 
-Json rapids_json(const Program& program, const std::vector<LineVolume>& lines) {
-  Json list = Json::array();
-  for (const LineVolume& line : lines) {
-    if (list.size() >= kListMax) break;
-    list.push_back({{"place", place_of(program, line.file, line.line)},
-                    {"tool", line.tool},
-                    {"depth_mm", line.depth_mm},
-                    {"removed_mm3", line.mm3}});
-  }
-  return list;
+void add_imprint(const LineVolume& line, Json& entry) { entry["imprint_mm3"] = line.mm3; }
+
+void add_rapid(const LineVolume& line, Json& entry) {
+  entry["depth_mm"] = line.depth_mm;
+  entry["removed_mm3"] = line.mm3;
 }
 
 Json misfits_json(const Program& program, const std::optional<Misfits>& misfits) {
@@ -196,8 +194,8 @@ std::string simulation_json(const Simulation& simulation, double tool_change_s,
                   {"max_removal_rate", extreme_json(program, "mm3_per_s", rate)},
                   {"max_force", extreme_json(program, "n", force)},
                   {"collisions", collisions},
-                  {"rapids_through_stock", rapids_json(program, simulation.rapid_cuts())},
-                  {"starts_inside_stock", imprints_json(program, simulation.imprints())},
+                  {"rapids_through_stock", lines_json(program, simulation.rapid_cuts(), add_rapid)},
+                  {"starts_inside_stock", lines_json(program, simulation.imprints(), add_imprint)},
                   {"gouges", misfits_json(program, fit.gouges)},
                   {"rests", misfits_json(program, fit.rests)}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
