@@ -2,20 +2,18 @@
 #include "server/verify/air_space.h"
 
 #include "kernel/sculpture.h"
+#include "tests/support/straight_move.h"
 #include "tests/support/test.h"
 
 namespace kerf::air_space_test {
 namespace {
 
+using test::move_between;
+
 SculptureSettings block() {
   return SculptureSettings{.stock = BoxStock{{0, 0, -10}, {10, 10, 0}}, .pitch_mm = 0.5};
 }
 const Tool kTool = *make_tool(BallShape{4, 40});
-
-MoveTool move_between(Vec3 from, Vec3 to, double duration_s = 0.1, Vec3 axis = {0, 0, 1}) {
-  return MoveTool{
-      .tool = 1, .from = {from, axis}, .to = {to, axis}, .duration_s = duration_s, .feel = false};
-}
 
 TEST(AirSpace, IsOutsideTheBoxAroundTheStock) {
   const AirSpace air(block());

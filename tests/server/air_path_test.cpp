@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/air_path.h"
 
+#include "tests/support/straight_move.h"
 #include "tests/support/test.h"
 
 namespace kerf::air_path_test {
 namespace {
 
-MoveTool move_between(Vec3 from, Vec3 to, double duration_s = 0.1, Vec3 axis = {0, 0, 1}) {
-  return MoveTool{
-      .tool = 1, .from = {from, axis}, .to = {to, axis}, .duration_s = duration_s, .feel = false};
-}
+using test::move_between;
 
 TEST(AirPath, JoinsAStraightLineAtOneSpeed) {
   AirPath path;

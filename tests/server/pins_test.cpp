@@ -23,6 +23,19 @@ class PinsTest : public SessionUndo {
   static Caller sculptor(const std::string& grant) {
     return Caller{.role = Role::kSculptor, .grant = grant, .is_personal = true};
   }
+  /// Sets a good pin and a bad one, whose row the statement then damages. Returns the journal.
+  std::filesystem::path damage_second_pin(const std::string& statement) {
+    create();
+    pins().set(pin("good"));
+    pins().set(pin("bad"));
+    EXPECT_TRUE(session_->flush());
+    session_.reset();
+    registry_.reset();
+    const auto file = folder_->path() / "block.kerf";
+    auto journal = open_journal(file, SqlMode::kWrite);
+    EXPECT_TRUE(journal && journal->execute(statement));
+    return file;
+  }
   std::string fault(std::uint32_t number, const Caller& caller) {
     const auto removed = pins().remove(number, caller);
     return removed ? "" : removed.error().code;
@@ -110,39 +123,24 @@ TEST_F(PinsTest, BranchInheritsEarlierPinsOnly) {
 }
 
 TEST_F(PinsTest, DamagedRowIsLeftOut) {
-  create();
-  pins().set(pin("good"));
-  pins().set(pin("bad"));
-  ASSERT_TRUE(session_->flush());
-  session_.reset();
-  registry_.reset();
-  {
-    auto journal = test::value_of(open_journal(folder_->path() / "block.kerf", SqlMode::kWrite));
-    ASSERT_TRUE(journal.execute("UPDATE pins SET x=x+1 WHERE number=2"));
-    const auto lists = test::value_of(read_lists(journal, 1000));
-    const auto& rows = lists.at("pins");
-    ASSERT_EQ(rows.size(), 1U);
-    EXPECT_EQ(pin_of(rows[0]).text, "good");
-  }
+  const auto file = damage_second_pin("UPDATE pins SET x=x+1 WHERE number=2");
+  auto journal = open_journal(file, SqlMode::kRead);
+  ASSERT_TRUE(journal);
+  const auto lists = read_lists(*journal, 1000);
+  ASSERT_TRUE(lists);
+  const auto& rows = lists->at("pins");
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(pin_of(rows[0]).text, "good");
 }
 
 /// A bit that makes a row name a record which does not exist must not hide the row.
 TEST_F(PinsTest, ARowThatNamesALaterRecordByDamageIsReported) {
-  create();
-  pins().set(pin("good"));
-  pins().set(pin("bad"));
-  ASSERT_TRUE(session_->flush());
-  session_.reset();
-  registry_.reset();
-  const auto file = folder_->path() / "block.kerf";
-  {
-    auto journal = open_journal(file, SqlMode::kWrite);
-    ASSERT_TRUE(journal->execute("UPDATE pins SET record=record+1024 WHERE number=2"));
-  }
-  const auto damaged = test::value_of(JournalReader::open(file)->damaged_rows());
-  ASSERT_EQ(damaged.size(), 1U);
-  EXPECT_EQ(damaged.front().table, "pins");
-  EXPECT_EQ(damaged.front().rows, 1);
+  const auto file = damage_second_pin("UPDATE pins SET record=record+1024 WHERE number=2");
+  const auto damaged = JournalReader::open(file)->damaged_rows();
+  ASSERT_TRUE(damaged);
+  ASSERT_EQ(damaged->size(), 1U);
+  EXPECT_EQ(damaged->front().table, "pins");
+  EXPECT_EQ(damaged->front().rows, 1);
 }
 
 TEST(PlainText, IsUtf8WithoutControlCharacters) {
