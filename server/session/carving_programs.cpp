@@ -103,7 +103,8 @@ bool Carving::is_searched(const ProgramStep& step) const {
          !air_.is_clear({motion.tool, motion.from, motion.to, motion.duration_s, false}, *tool);
 }
 
-/// Begins the search of a motion that has cut, in the stock before and after it.
+/// Begins the search of a motion that has cut, in the stock before and after it. So a rapid through
+/// the air is not measured, whether or not the program has a target.
 void Carving::begin_search(const ProgramStep& step, const MotionResult& done, Searched& search) {
   const ProgramMotion& motion = step.motion;
   const DexelSnapshot after = sculpture_.snapshot();
