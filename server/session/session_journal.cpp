@@ -70,12 +70,15 @@ void SessionJournal::append_removal(const Participant& participant) {
 std::expected<void, JournalError> SessionJournal::flush_and_copy() {
   if (auto flushed = flush(); !flushed || !writer_ || !needs_copy_) return flushed;
   if (copy_->wait_for(writer_->figures().commits, Clock::now() + kCopyPatience)) return {};
+  return std::unexpected(not_copied());
+}
+
+JournalError SessionJournal::not_copied() const {
   const auto state = copy_->get();
   const std::string fault = state && !state->fault.empty() ? state->fault : "NATS does not keep up";
-  return std::unexpected(JournalError{
-      JournalErrorCode::kNotCopied, file().string(), 0,
-      "the change is stored on this server, but not yet on another one: " + fault +
-          "; it may be lost with this server, so look whether it is there before repeating it"});
+  return {JournalErrorCode::kNotCopied, file().string(), 0,
+          "the change is stored on this server, but not yet on another one: " + fault +
+              "; it may be lost with this server, so look whether it is there before repeating it"};
 }
 
 std::optional<StateHash> SessionJournal::current_hash() const {

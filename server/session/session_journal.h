@@ -81,6 +81,8 @@ class SessionJournal {
   /// copied: it then survives the loss of this machine. Fails with kNotCopied if the copy is not
   /// acknowledged within kCopyPatience.
   std::expected<void, JournalError> flush_and_copy();
+  /// Returns kNotCopied, with the reason why the copy is behind.
+  JournalError not_copied() const;
   /// The known damage of the file.
   JournalHealth& health() const { return *health_; }
   /// Commits and closes the file; later appends fail. Call once.

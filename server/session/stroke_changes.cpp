@@ -19,6 +19,8 @@ namespace {
 /// carved again after the journal could not be read.
 constexpr std::chrono::microseconds kReplaceTurn{1000};
 constexpr std::chrono::seconds kRetry{1};
+/// Interval between two looks whether a change is copied.
+constexpr std::chrono::milliseconds kCopyLook{5};
 /// Motions cut again in one turn, and the number of rounds that try to reduce them to this.
 constexpr std::size_t kSinceMax = 100;
 constexpr int kRoundsMax = 4;
@@ -186,8 +188,28 @@ void StrokeChanges::change_later(StrokeRequest request, Done done) {
       [this, session = owner_.hold(), request = std::move(request), done = std::move(done)] {
         SerialWorkers alone;
         auto changed = change(request, alone);
-        executor_.post([changed = std::move(changed), done] { done(changed); });
+        const auto flushed = journal_.flush();
+        if (changed && !flushed && !changed->pending) changed->pending = describe(flushed.error());
+        executor_.post([this, session, changed = std::move(changed), done]() mutable {
+          if (!changed || changed->pending) return done(changed);
+          answer_when_durable(*std::move(changed), Clock::now() + kCopyPatience, std::move(done));
+        });
       });
+}
+
+/// Holds no thread meanwhile: the background thread is shared by all sessions.
+void StrokeChanges::answer_when_durable(StrokesChanged changed, Clock::time_point end, Done done) {
+  const bool is_durable = journal_.durable_sequence() >= changed.sequence;
+  if (!is_durable && !closed_ && Clock::now() < end) {
+    return executor_.post_after(kCopyLook, [this, watched = owner_.watch(),
+                                            changed = std::move(changed), end,
+                                            done = std::move(done)]() mutable {
+      const auto session = watched.lock();
+      if (session) answer_when_durable(std::move(changed), end, std::move(done));
+    });
+  }
+  if (!is_durable) changed.pending = describe(journal_.not_copied());
+  done(changed);
 }
 
 /// Waits until no motion journaled so far is partly cut: pieces of an undone motion must not be cut

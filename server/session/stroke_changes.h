@@ -12,6 +12,7 @@
 
 #include "kernel/sculpture.h"
 #include "server/convert/rejection.h"
+#include "server/platform/clock.h"
 #include "server/session/carving.h"
 #include "server/session/participants.h"
 #include "server/session/session_journal.h"
@@ -53,7 +54,8 @@ class StrokeChanges {
   // ---- executor only ----
   using Done = std::function<void(const std::expected<StrokesChanged, Rejection>&)>;
   /// Like change(), from the executor. The work is done on the background thread while the executor
-  /// serves participants. `done` is called on the executor.
+  /// serves participants. `done` is called on the executor, once the change is durable
+  /// (SessionJournal::durable_sequence). If it is not within kCopyPatience, `pending` says why.
   void change_later(StrokeRequest request, Done done);
   /// Followed session: its owner has journaled this change. It is carved later.
   void follow(const StrokeChange& change);
@@ -74,6 +76,7 @@ class StrokeChanges {
   Outcome settle_tiles(std::span<const FieldTile> some, Workers& workers,
                        const std::stop_token& stop, StrokesChanged& changed);
   Outcome wait_for_pieces(const std::stop_token& stop);
+  void answer_when_durable(StrokesChanged changed, Clock::time_point end, Done done);
   void retry_settling();
   void settle_later();
 

@@ -36,8 +36,8 @@ struct StrokesChanged {
   std::uint64_t sequence = 0;  ///< the record after which the block has changed
   std::size_t tiles = 0;       ///< number of tiles carved again
   double returned_mm3 = 0;     ///< volume that came back; negative if material was removed
-  /// Why the journaled change is not in the block yet. It will be as soon as this obstacle is gone.
-  /// Nullopt: it is.
+  /// Why the journaled change is not in the block or not durable yet. It will be as soon as this
+  /// obstacle is gone. Nullopt: it is both.
   std::optional<std::string> pending = std::nullopt;
 };
 

@@ -86,6 +86,24 @@ TEST_F(AgentUndo, UndoesAndRedoesOwnStrokesOneByOne) {
   EXPECT_EQ(hash(), never_happened());
 }
 
+TEST_F(AgentUndo, IsAnsweredWhenTheChangeIsCopied) {
+  session_->place_in(nullptr, true);
+  const StrokeId cut = stroke(id_, {-10, 0, -2}, {10, 0, -2});
+  send(R"({"type":"undo"})");
+  work();
+  EXPECT_EQ(hash(), never_happened()) << "the block does not wait";
+  EXPECT_TRUE(read().empty());
+  session_->copy().set({.record = session_->sequence() - 1, .fault = ""});
+  executor_->run(true);
+  EXPECT_TRUE(read().empty()) << "the cut is copied, its undo is not";
+  session_->copy().set({.record = session_->sequence(), .fault = ""});
+  executor_->run(true);
+  const auto answers = read();
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(answers[0].at("stroke"), cut);
+  EXPECT_FALSE(answers[0].contains("pending"));
+}
+
 /// An agent with a replica, whose tool moves in the air.
 class ReplicaOwner {
  public:
