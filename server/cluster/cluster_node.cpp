@@ -169,6 +169,11 @@ bool ClusterNode::is_moving(const std::string& id) const {
   return impl_->table.is_moving(id, Clock::boot_ns());
 }
 
+std::optional<std::string> ClusterNode::needed_server(const std::string& id) const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->table.needed_server(id);
+}
+
 std::vector<std::string> ClusterNode::other_servers() const {
   const std::lock_guard lock(impl_->mutex);
   std::vector<std::string> addresses;

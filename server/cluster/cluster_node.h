@@ -57,6 +57,7 @@ class ClusterNode final : public SessionPlaces {
   std::vector<PlacedSession> elsewhere() const override;
   std::optional<std::string> address_of(const std::string& id) const override;
   bool is_moving(const std::string& id) const override;
+  std::optional<std::string> needed_server(const std::string& id) const override;
   std::vector<std::string> other_servers() const override;
   /// The addresses of the other servers whose pages may still be open: those that announced
   /// themselves within kPageLifeNs (lease_table.h), even if they are gone.

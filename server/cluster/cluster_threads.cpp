@@ -232,6 +232,7 @@ void ClusterNode::Impl::leave(const std::string& id, const SeenLease& seen) {
   const std::lock_guard lock(mutex);
   const bool is_new = !again_ns.contains(id);
   again_ns[id] = Clock::boot_ns() + kRetryNs;
+  table.note_uncopied(id, seen.revision);
   if (is_new) {
     log::warn("session " + id + ": it is not copied, so only server " + seen.lease.node +
               " can continue it");

@@ -31,6 +31,14 @@ void LeaseTable::correct(const std::string& session, const StoredLease& stored,
   seen.lease.epoch = std::max(seen.lease.epoch, epoch);
   seen.revision = stored.revision;
   seen.since_ns = now_ns;
+  seen.needs_owner = false;
+}
+
+void LeaseTable::note_uncopied(const std::string& session, std::uint64_t revision) {
+  const auto found = leases_.find(session);
+  if (found != leases_.end() && found->second.revision == revision) {
+    found->second.needs_owner = true;
+  }
 }
 
 /// A session expected of a server has been created there.
@@ -77,6 +85,7 @@ std::vector<std::string> LeaseTable::takeable(std::int64_t now_ns) const {
 bool LeaseTable::is_moving(const std::string& session, std::int64_t now_ns) const {
   const SeenLease* seen = find(session);
   if (seen == nullptr || seen->lease.state == LeaseState::kClosed) return false;
+  if (seen->needs_owner) return false;
   return seen->lease.state == LeaseState::kReleased || is_own(*seen) || !seen->lease.to.empty() ||
          !is_fresh(*seen, now_ns);
 }
@@ -84,9 +93,15 @@ bool LeaseTable::is_moving(const std::string& session, std::int64_t now_ns) cons
 std::optional<std::string> LeaseTable::address_of(const std::string& session,
                                                   std::int64_t now_ns) const {
   const SeenLease* seen = find(session);
-  const bool runs = seen != nullptr && seen->lease.state == LeaseState::kHeld;
+  const bool runs =
+      seen != nullptr && seen->lease.state == LeaseState::kHeld && !seen->needs_owner;
   if (!runs || is_moving(session, now_ns)) return std::nullopt;
   return seen->lease.address;
+}
+
+std::optional<std::string> LeaseTable::needed_server(const std::string& session) const {
+  const SeenLease* seen = find(session);
+  return seen != nullptr && seen->needs_owner ? std::optional(seen->lease.node) : std::nullopt;
 }
 
 std::vector<PlacedSession> LeaseTable::elsewhere() const {

@@ -20,6 +20,7 @@ struct SeenLease {
   Lease lease;
   std::uint64_t revision = 0;
   std::int64_t since_ns = 0;  ///< when this server first saw this revision, by its own clock
+  bool needs_owner = false;   ///< the owner is lost, and nobody else has the journal
 };
 
 /// Another server and its number of sessions.
@@ -44,6 +45,9 @@ class LeaseTable {
   /// renewed it until NATS was lost. The epoch stays the largest one seen.
   void correct(const std::string& session, const StoredLease& stored, std::int64_t now_ns);
   void note(const std::string& node, NodeNote note, std::int64_t now_ns);
+  /// This revision of the lease could be taken, but only its lost owner has the journal. In effect
+  /// until the lease changes.
+  void note_uncopied(const std::string& session, std::uint64_t revision);
   /// The watch began at `now_ns`, so no lease counts as older.
   void begin(std::int64_t now_ns) { began_ns_ = now_ns; }
 
@@ -51,8 +55,11 @@ class LeaseTable {
   /// Returns the leases that may be taken now: unchanged for their taken_ns(), or released. Those
   /// that name another server are reserved for it for a while.
   std::vector<std::string> takeable(std::int64_t now_ns) const;
-  /// Whether a session of another server exists but has no owner now.
+  /// Whether a session of another server exists but has no owner now, and another server can
+  /// continue it.
   bool is_moving(const std::string& session, std::int64_t now_ns) const;
+  /// The name of the lost owner that alone can continue a session (note_uncopied).
+  std::optional<std::string> needed_server(const std::string& session) const;
   /// The address of the other server that runs a session now.
   std::optional<std::string> address_of(const std::string& session, std::int64_t now_ns) const;
   /// The sessions that other servers run, or ran last.

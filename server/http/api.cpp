@@ -27,6 +27,11 @@ ApiResponse needs_token(const Caller& caller) {
   return response;
 }
 
+/// The name of the lost server that alone can continue a session; nullopt if there is none.
+std::optional<std::string> needed_server(const SessionRegistry& registry, const std::string& id) {
+  return registry.places() == nullptr ? std::nullopt : registry.places()->needed_server(id);
+}
+
 }  // namespace
 
 bool is_below_session(const std::vector<std::string>& path) {
@@ -68,6 +73,11 @@ ApiResponse no_session(const SessionRegistry& registry, const std::string& id,
   }
   if (const auto address = other_place(registry, id)) {
     return at_other_server("session " + id + " is at " + *address, *address + target);
+  }
+  if (const auto node = needed_server(registry, id)) {
+    return error_response(503, "server_lost",
+                          "server " + *node + " ran session " + id +
+                              " and is lost, and no other server has the journal: start it again");
   }
   if (const auto error = registry.unreadable(id)) {
     // The server retries the load after a disk error; damage is permanent.
@@ -253,9 +263,10 @@ std::optional<ApiResponse> Api::refuse(const ApiRequest& request, const RouteMat
                             std::string(to_string(lowest_invited(action))));
 }
 
-/// Whether a session runs at another server or is about to be opened.
+/// Whether a session runs at another server, is about to be opened, or is at a lost server.
 bool Api::is_not_here(const std::string& id) const {
-  return !registry_.find(id) && (is_coming(registry_, id) || other_place(registry_, id));
+  return !registry_.find(id) && (is_coming(registry_, id) || other_place(registry_, id) ||
+                                 needed_server(registry_, id));
 }
 
 void Api::tell_regions(Session& session) const {

@@ -89,8 +89,8 @@ bool is_below_session(const std::vector<std::string>& path);
 /// Returns a 307 to `location`, an absolute URL for the same request.
 ApiResponse at_other_server(const std::string& reason, std::string location);
 /// Returns the response for a session that is not open: a 307 to `target` at the server that runs
-/// it, a 503 with Retry-After while it is being loaded or moved, a 500 if its journal cannot be
-/// read, otherwise a 404.
+/// it, a 503 with Retry-After while it is being loaded or moved, a 503 `server_lost` if its server
+/// is lost and nobody else has the journal, a 500 if its journal cannot be read, otherwise a 404.
 ApiResponse no_session(const SessionRegistry& registry, const std::string& id,
                        const std::string& target);
 /// Whether a session is not open yet but soon will be, here or at another server. With

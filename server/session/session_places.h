@@ -50,6 +50,9 @@ class SessionPlaces {
   virtual std::optional<std::string> address_of(const std::string& id) const = 0;
   /// Whether nobody runs the session now, but a server is expected to continue it soon.
   virtual bool is_moving(const std::string& id) const = 0;
+  /// The name of the lost server that alone can continue the session, because its journal was not
+  /// copied; nullopt for other sessions. Known once a server has tried to take the session over.
+  virtual std::optional<std::string> needed_server(const std::string& id) const = 0;
   /// The addresses of the other servers, which may continue this server's sessions.
   virtual std::vector<std::string> other_servers() const = 0;
   /// Returns the address of the server with the fewest sessions if it has fewer than this one, and

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sessions that are opened while the server already answers.
+#include <gmock/gmock.h>
+
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -45,6 +47,44 @@ class SessionLoading : public SessionTest {
   std::unique_ptr<Access> access = *Access::open({});
   std::optional<Api> api;
 };
+
+/// A cluster that has lost server b, which alone has session s.
+class LostServer final : public SessionPlaces {
+ public:
+  std::expected<void, std::string> claim(const std::string&, bool) override { return {}; }
+  bool is_taken(const std::string& id) const override { return id == "s"; }
+  std::shared_ptr<const WriteFence> fence(const std::string&) const override { return nullptr; }
+  std::uint32_t epoch(const std::string&) const override { return 1; }
+  std::expected<void, std::string> close(const std::string&) override { return {}; }
+  void give_up(const std::string&) override {}
+  const std::string& node() const override { return node_; }
+  std::vector<PlacedSession> elsewhere() const override { return {}; }
+  std::optional<std::string> address_of(const std::string&) const override { return {}; }
+  bool is_moving(const std::string&) const override { return false; }
+  std::optional<std::string> needed_server(const std::string& id) const override {
+    return id == "s" ? std::optional<std::string>("b") : std::nullopt;
+  }
+  std::vector<std::string> other_servers() const override { return {}; }
+  std::optional<std::string> place_for_new() override { return {}; }
+  bool wants_to_follow(const std::string&) override { return false; }
+
+ private:
+  std::string node_ = "a";
+};
+
+TEST_F(SessionLoading, ASessionThatOnlyALostServerHasIsA503WithItsName) {
+  LostServer places;
+  registry.emplace(RegistryOptions{.data_folder = folder.path(), .places = &places},
+                   [this](const std::string&) { return executor; }, workers);
+  api.emplace(options, *registry, metrics, *access);
+  const ApiResponse asked = ask("GET", "/v1/sessions/s");
+  EXPECT_EQ(asked.status, 503U);
+  EXPECT_EQ(body(asked)["error"]["code"], "server_lost");
+  EXPECT_THAT(std::string(body(asked)["error"]["reason"]), testing::HasSubstr("server b "));
+  EXPECT_EQ(ask("GET", "/v1/sessions/t").status, 404U);
+  api.reset();
+  registry.reset();
+}
 
 TEST_F(SessionLoading, RequestsForALoadingSessionGetARetryTime) {
   leave_sessions({"a", "b"});

@@ -96,6 +96,21 @@ TEST_F(LeaseTableTest, PeersAreNotSentToAServerThatIsAboutToStop) {
   EXPECT_EQ(table_.takeable(0), Ids()) << "it still has the lease";
 }
 
+TEST_F(LeaseTableTest, ASessionWithoutCopyNeedsItsLostServerUntilTheLeaseChanges) {
+  table_.note("s", held_by("b"), 7, 0);
+  EXPECT_EQ(table_.needed_server("s"), std::nullopt);
+  table_.note_uncopied("s", 6);
+  EXPECT_TRUE(table_.is_moving("s", kTakenNs)) << "an earlier lease";
+  table_.note_uncopied("s", 7);
+  EXPECT_EQ(table_.needed_server("s"), "b");
+  EXPECT_FALSE(table_.is_moving("s", kTakenNs)) << "nobody else can continue it";
+  EXPECT_EQ(table_.address_of("s", kTakenNs), std::nullopt);
+  EXPECT_EQ(table_.takeable(kTakenNs), Ids{"s"}) << "it is tried again";
+  table_.note("s", held_by("b", 2), 8, kTakenNs);
+  EXPECT_EQ(table_.needed_server("s"), std::nullopt);
+  EXPECT_EQ(table_.address_of("s", kTakenNs), "http://b:8080");
+}
+
 TEST_F(LeaseTableTest, NoRedirectToThisServer) {
   table_.note("s", held_by("a"), 1, 0);
   EXPECT_FALSE(table_.address_of("s", 0));
