@@ -3,6 +3,8 @@
 
 #include <cstdio>
 
+#include "server/formats/xml_entity.h"
+
 namespace kerf {
 namespace {
 
@@ -38,14 +40,8 @@ std::string escaped(std::string_view text) {
       // U+FFFE and U+FFFF are not characters of XML.
       const bool forbidden = text.starts_with("\xEF\xBF\xBE") || text.starts_with("\xEF\xBF\xBF");
       out += forbidden ? kReplacement : text.substr(0, length);
-    } else if (c == '&') {
-      out += "&amp;";
-    } else if (c == '<') {
-      out += "&lt;";
-    } else if (c == '>') {
-      out += "&gt;";
-    } else if (c == '"') {
-      out += "&quot;";
+    } else if (const std::string_view entity = xml_entity(c); !entity.empty()) {
+      out += entity;
     } else if (c == '\t') {
       out += ' ';
     } else if (c >= ' ' && c != 0x7F) {

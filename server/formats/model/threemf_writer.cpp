@@ -6,6 +6,7 @@
 
 #include "server/formats/model/model_parts.h"
 #include "server/formats/model/vertex_welder.h"
+#include "server/formats/xml_entity.h"
 
 // Writes the 3D Manufacturing Format, core specification 1.2: a package of three parts, one of
 // which is the model, compressed by zlib's minizip and produced from front to back.
@@ -87,17 +88,8 @@ class Package {
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : one_line(text)) {
-    if (c == '&') {
-      out += "&amp;";
-    } else if (c == '<') {
-      out += "&lt;";
-    } else if (c == '>') {
-      out += "&gt;";
-    } else if (c == '"') {
-      out += "&quot;";
-    } else {
-      out += c;
-    }
+    const std::string_view entity = xml_entity(c);
+    out += entity.empty() ? std::string_view(&c, 1) : entity;
   }
   return out;
 }
