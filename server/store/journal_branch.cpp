@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/store/batch_insert.h"
 #include "server/store/chunk_file.h"
 #include "server/store/crc32.h"
 #include "server/store/journal_base.h"
@@ -98,15 +99,9 @@ std::expected<void, JournalError> copy_rest(const std::filesystem::path& file, S
   }
   head.count = records.size();
   const std::vector<std::byte> bytes = BatchEncoder().encode(records);
-  auto insert = to.prepare("INSERT INTO batches VALUES(?,?,?,?,?,?)");
+  auto insert = prepare_batch_insert(to);
   if (!insert) return failed(insert.error());
-  insert->bind(1, static_cast<std::int64_t>(head.first));
-  insert->bind(2, static_cast<std::int64_t>(head.count));
-  insert->bind(3, head.wall_ms);
-  insert->bind(4, head.span_ms);
-  insert->bind(5, std::span<const std::byte>(bytes));
-  insert->bind(6, batch_checksum(head, bytes));
-  if (auto row = insert->step(); !row) return failed(row.error());
+  if (auto ok = insert_batch(*insert, head, bytes); !ok) return failed(ok.error());
   return {};
 }
 

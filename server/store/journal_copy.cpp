@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "server/store/byte_code.h"
-#include "server/store/chunk_file.h"
 #include "server/store/journal_change.h"
 #include "server/store/journal_change_code.h"
 #include "server/store/journal_file.h"
@@ -116,21 +115,16 @@ JournalError JournalCopy::corrupt(std::string reason) const {
 }
 
 std::expected<JournalCopy, JournalError> JournalCopy::create(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (std::filesystem::exists(file, ignored)) {
-    return std::unexpected(
-        JournalError{JournalErrorCode::kExists, file.string(), 0, "the file already exists"});
-  }
-  const auto unfinished = unfinished_file(file);
-  remove_journal(unfinished);  // possibly left by a crash
-  auto database = create_journal(unfinished, {});
+  const auto unfinished = unfinished_journal(file);
+  if (!unfinished) return std::unexpected(unfinished.error());
+  auto database = create_journal(*unfinished, {});
   if (!database) return std::unexpected(database.error());
   // Drop the initial rows: those of the copied journal replace them. A savepoint follows each whole
   // change.
   auto empty =
       database->execute("BEGIN;DELETE FROM session;DELETE FROM kernel_versions;SAVEPOINT whole");
   if (!empty) return std::unexpected(to_journal_error(file, empty.error()));
-  return JournalCopy(file, unfinished, *std::move(database));
+  return JournalCopy(file, *unfinished, *std::move(database));
 }
 
 std::expected<JournalCopy, JournalError> JournalCopy::resume(const std::filesystem::path& file,

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/store/attachment.h"
+#include "server/store/chunk_file.h"
 #include "server/store/crc32.h"
 #include "server/store/list_table.h"
 #include "server/store/private_file.h"
@@ -271,6 +272,18 @@ std::expected<std::filesystem::path, std::error_code> keep_journal(
     }
     return to;
   }
+}
+
+std::expected<std::filesystem::path, JournalError> unfinished_journal(
+    const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (std::filesystem::exists(file, ignored)) {
+    return std::unexpected(
+        JournalError{JournalErrorCode::kExists, file.string(), 0, "the file already exists"});
+  }
+  auto unfinished = unfinished_file(file);
+  remove_journal(unfinished);
+  return unfinished;
 }
 
 void remove_journal(const std::filesystem::path& file) {

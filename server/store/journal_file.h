@@ -64,6 +64,10 @@ std::expected<std::filesystem::path, std::error_code> keep_journal(
     const std::string& name);
 /// Renames a file. Fails with file_exists instead of replacing another file.
 std::error_code rename_new(const std::filesystem::path& from, const std::filesystem::path& to);
+/// Returns the temporary name under which to create the journal `file`, and deletes a file of that
+/// name, which a crash may have left. Fails with kExists if `file` exists.
+std::expected<std::filesystem::path, JournalError> unfinished_journal(
+    const std::filesystem::path& file);
 /// Deletes a journal, its snapshots and SQLite's side files. Ignores errors.
 void remove_journal(const std::filesystem::path& file);
 /// Converts an SQLite error to kCorrupt if the file is damaged, otherwise to kIo.

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "kernel/kernel_version.h"
+#include "server/store/batch_insert.h"
 #include "server/store/record_rows.h"
 
 namespace kerf {
@@ -67,7 +68,7 @@ JournalGroups::JournalGroups(SqlDatabase database, Inserts inserts, std::int64_t
       inserts_(std::move(inserts)) {}
 
 SqlResult<JournalGroups> JournalGroups::prepare(SqlDatabase database) {
-  auto batch = database.prepare("INSERT INTO batches VALUES(?,?,?,?,?,?)");
+  auto batch = prepare_batch_insert(database);
   if (!batch) return std::unexpected(batch.error());
   auto participant = database.prepare("INSERT OR REPLACE INTO participants VALUES(?,?,?,?)");
   if (!participant) return std::unexpected(participant.error());
@@ -109,14 +110,7 @@ JournalGroups::Batch JournalGroups::encode(const std::vector<Pending>& group) {
 }
 
 SqlResult<void> JournalGroups::insert_batch() {
-  const BatchHead& head = batch_.head;
-  inserts_.batch.bind(1, static_cast<std::int64_t>(head.first));
-  inserts_.batch.bind(2, static_cast<std::int64_t>(head.count));
-  inserts_.batch.bind(3, head.wall_ms);
-  inserts_.batch.bind(4, head.span_ms);
-  inserts_.batch.bind(5, std::span<const std::byte>(batch_.bytes));
-  inserts_.batch.bind(6, batch_checksum(head, batch_.bytes));
-  return run(inserts_.batch);
+  return kerf::insert_batch(inserts_.batch, batch_.head, batch_.bytes);
 }
 
 SqlResult<void> JournalGroups::insert(const Pending& pending) {

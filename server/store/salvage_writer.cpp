@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "server/store/attachment.h"
-#include "server/store/chunk_file.h"
+#include "server/store/batch_insert.h"
 #include "server/store/journal_branch.h"
 #include "server/store/journal_tables.h"
 #include "server/store/list_table.h"
@@ -32,16 +32,11 @@ std::unexpected<JournalError> SalvageWriter::failed(const SqlError& error) const
 
 std::expected<SalvageWriter, JournalError> SalvageWriter::create(const std::filesystem::path& file,
                                                                  const JournalHeader& header) {
-  std::error_code ignored;
-  if (std::filesystem::exists(file, ignored)) {
-    return std::unexpected(
-        JournalError{JournalErrorCode::kExists, file.string(), 0, "the file already exists"});
-  }
-  const auto unfinished = unfinished_file(file);
-  remove_journal(unfinished);  // possibly left by a crash
-  auto database = create_journal(unfinished, header, CreateMode::kCopy);
+  const auto unfinished = unfinished_journal(file);
+  if (!unfinished) return std::unexpected(unfinished.error());
+  auto database = create_journal(*unfinished, header, CreateMode::kCopy);
   if (!database) return std::unexpected(database.error());
-  SalvageWriter writer(file, unfinished, *std::move(database));
+  SalvageWriter writer(file, *unfinished, *std::move(database));
   auto begun = writer.database_->execute(
       "BEGIN;DELETE FROM kernel_versions;UPDATE session SET epoch=" + std::to_string(header.epoch));
   if (!begun) return writer.failed(begun.error());
@@ -79,15 +74,9 @@ std::expected<void, JournalError> SalvageWriter::write_batch() {
   head_.count = records_.size();
   const std::vector<std::byte> bytes = encoder_.encode(records_);
   records_.clear();
-  auto insert = database_->prepare("INSERT INTO batches VALUES(?,?,?,?,?,?)");
+  auto insert = prepare_batch_insert(*database_);
   if (!insert) return failed(insert.error());
-  insert->bind(1, static_cast<std::int64_t>(head_.first));
-  insert->bind(2, static_cast<std::int64_t>(head_.count));
-  insert->bind(3, head_.wall_ms);
-  insert->bind(4, head_.span_ms);
-  insert->bind(5, std::span<const std::byte>(bytes));
-  insert->bind(6, batch_checksum(head_, bytes));
-  if (auto row = insert->step(); !row) return failed(row.error());
+  if (auto ok = insert_batch(*insert, head_, bytes); !ok) return failed(ok.error());
   return {};
 }
 
