@@ -93,8 +93,7 @@ bool LeaseTable::is_moving(const std::string& session, std::int64_t now_ns) cons
 std::optional<std::string> LeaseTable::address_of(const std::string& session,
                                                   std::int64_t now_ns) const {
   const SeenLease* seen = find(session);
-  const bool runs =
-      seen != nullptr && seen->lease.state == LeaseState::kHeld && !seen->needs_owner;
+  const bool runs = seen != nullptr && seen->lease.state == LeaseState::kHeld && !seen->needs_owner;
   if (!runs || is_moving(session, now_ns)) return std::nullopt;
   return seen->lease.address;
 }

@@ -265,8 +265,8 @@ std::optional<ApiResponse> Api::refuse(const ApiRequest& request, const RouteMat
 
 /// Whether a session runs at another server, is about to be opened, or is at a lost server.
 bool Api::is_not_here(const std::string& id) const {
-  return !registry_.find(id) && (is_coming(registry_, id) || other_place(registry_, id) ||
-                                 needed_server(registry_, id));
+  return !registry_.find(id) &&
+         (is_coming(registry_, id) || other_place(registry_, id) || needed_server(registry_, id));
 }
 
 void Api::tell_regions(Session& session) const {

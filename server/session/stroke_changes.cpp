@@ -201,12 +201,12 @@ void StrokeChanges::change_later(StrokeRequest request, Done done) {
 void StrokeChanges::answer_when_durable(StrokesChanged changed, Clock::time_point end, Done done) {
   const bool is_durable = journal_.durable_sequence() >= changed.sequence;
   if (!is_durable && !closed_ && Clock::now() < end) {
-    return executor_.post_after(kCopyLook, [this, watched = owner_.watch(),
-                                            changed = std::move(changed), end,
-                                            done = std::move(done)]() mutable {
+    auto again = [this, watched = owner_.watch(), changed = std::move(changed), end,
+                  done = std::move(done)]() mutable {
       const auto session = watched.lock();
       if (session) answer_when_durable(std::move(changed), end, std::move(done));
-    });
+    };
+    return executor_.post_after(kCopyLook, std::move(again));
   }
   if (!is_durable) changed.pending = describe(journal_.not_copied());
   done(changed);

@@ -74,8 +74,9 @@ class LostServer final : public SessionPlaces {
 
 TEST_F(SessionLoading, ASessionThatOnlyALostServerHasIsA503WithItsName) {
   LostServer places;
-  registry.emplace(RegistryOptions{.data_folder = folder.path(), .places = &places},
-                   [this](const std::string&) { return executor; }, workers);
+  registry.emplace(
+      RegistryOptions{.data_folder = folder.path(), .places = &places},
+      [this](const std::string&) { return executor; }, workers);
   api.emplace(options, *registry, metrics, *access);
   const ApiResponse asked = ask("GET", "/v1/sessions/s");
   EXPECT_EQ(asked.status, 503U);
