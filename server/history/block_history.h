@@ -32,8 +32,8 @@ struct HistoryMemory {
 
 /// The history of a block: which motions of its journal reach which tile, and the stock that any
 /// set of them leaves. Since cuts commute to the bit, undo, redo, a look back and a branch need
-/// nothing else. Not thread-safe, and slow: use it on a background thread. An exception, for lack of
-/// memory say, may leave a record half read or a tile half carved: discard the history then.
+/// nothing else. Not thread-safe, and slow: use it on a background thread. An exception, for lack
+/// of memory say, may leave a record half read or a tile half carved: discard the history then.
 class BlockHistory {
  public:
   /// `start`: the block with these settings before its first motion.
