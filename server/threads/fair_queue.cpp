@@ -5,7 +5,6 @@
 #include <deque>
 #include <functional>
 #include <list>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -23,58 +22,106 @@ struct Waiting {
 using WaitingPointer = std::shared_ptr<Waiting>;
 
 struct Client {
-  std::deque<WaitingPointer> jobs;
+  std::string name;
+  std::deque<WaitingPointer> jobs = {};
   int running = 0;
+  Clock::duration debt{0};  ///< time on threads beyond that of its turns
 };
+
+using Clients = std::list<Client>;
+
+void pay(Client& client, Clock::duration time) {
+  client.debt = std::max(Clock::duration::zero(), client.debt - time);
+}
+
+/// Whether it is one of the waiting clients with the fewest running jobs.
+bool may_begin(const Client& client, int fewest) {
+  return !client.jobs.empty() && client.running == fewest;
+}
+
+bool is_needed(const Client& client) {
+  return !client.jobs.empty() || client.running > 0 || client.debt.count() > 0;
+}
 
 }  // namespace
 
 struct FairQueue::State : std::enable_shared_from_this<State> {
-  State(Executor& run_on, int at_most) : executor(run_on), parallel(at_most) {}
+  State(Executor& run_on, int at_most, Now time)
+      : executor(run_on), parallel(at_most), now(std::move(time)) {}
 
   void enter(const WaitingPointer& waiting);
   void start_next();
   WaitingPointer take();
+  void skip_rounds(int fewest);
+  Clients::iterator next_in_turn(int fewest);
   void run(WaitingPointer next);
+  void end(const std::string& name, Clock::duration cost);
   void drop(const Waiting* unwanted);
-  void leave(const std::string& name);
+  Clients::iterator find(const std::string& name);
 
   Executor& executor;
   const int parallel;
+  const Now now;
   mutable std::mutex mutex;  ///< guards the members below
-  std::map<std::string, Client> clients;
-  std::list<std::string> turns;  ///< clients with waiting jobs, the longest wait first
+  Clients clients;           ///< in the order of their turns, the longest wait first
   int running = 0;
   bool is_closed = false;
 };
 
-void FairQueue::State::enter(const WaitingPointer& waiting) {
-  const std::lock_guard lock(mutex);
-  Client& client = clients[waiting->job.client];
-  if (client.jobs.empty()) turns.push_back(waiting->job.client);
-  client.jobs.push_back(waiting);
+Clients::iterator FairQueue::State::find(const std::string& name) {
+  return std::ranges::find(clients, name, &Client::name);
 }
 
-/// Removes a client without jobs. Precondition: locked.
-void FairQueue::State::leave(const std::string& name) {
-  const auto client = clients.find(name);
-  if (client->second.jobs.empty()) turns.remove(name);
-  if (client->second.jobs.empty() && client->second.running == 0) clients.erase(client);
+void FairQueue::State::enter(const WaitingPointer& waiting) {
+  const std::lock_guard lock(mutex);
+  auto client = find(waiting->job.client);
+  if (client == clients.end()) client = clients.insert(client, {waiting->job.client});
+  if (client->jobs.empty()) clients.splice(clients.end(), clients, client);
+  client->jobs.push_back(waiting);
+}
+
+/// Lets all clients pay for the rounds in which nobody would begin. Precondition: locked.
+void FairQueue::State::skip_rounds(int fewest) {
+  auto least = Clock::duration::max();
+  for (const Client& client : clients) {
+    if (may_begin(client, fewest)) least = std::min(least, client.debt);
+  }
+  const auto paid = least / kTurn * kTurn;
+  for (Client& client : clients) pay(client, paid);
+}
+
+/// Returns the client whose turn it is. Clients in debt pay with their turn instead. Precondition:
+/// locked; a client with `fewest` running jobs waits.
+Clients::iterator FairQueue::State::next_in_turn(int fewest) {
+  skip_rounds(fewest);
+  for (auto at = clients.begin();;) {
+    if (at == clients.end()) at = clients.begin();
+    const auto client = at++;
+    const bool has_debt = client->debt.count() > 0;
+    if (!has_debt && may_begin(*client, fewest)) return client;
+    pay(*client, kTurn);
+    if (!is_needed(*client)) {
+      clients.erase(client);
+    } else if (has_debt) {
+      clients.splice(clients.end(), clients, client);
+    }
+  }
 }
 
 /// The next job in turn, or null if none may begin. Precondition: locked.
 WaitingPointer FairQueue::State::take() {
-  if (is_closed || running == parallel || turns.empty()) return nullptr;
-  const auto next = std::ranges::min_element(
-      turns, {}, [this](const std::string& name) { return clients[name].running; });
-  Client& client = clients[*next];
-  if (client.running > 0 && client.running >= parallel - 1) return nullptr;
-  turns.splice(turns.end(), turns, next);
-  WaitingPointer taken = std::move(client.jobs.front());
-  client.jobs.pop_front();
-  ++client.running;
+  if (is_closed || running == parallel) return nullptr;
+  int fewest = parallel;
+  for (const Client& client : clients) {
+    if (!client.jobs.empty()) fewest = std::min(fewest, client.running);
+  }
+  if (fewest > 0 && fewest >= parallel - 1) return nullptr;
+  const auto client = next_in_turn(fewest);
+  clients.splice(clients.end(), clients, client);
+  WaitingPointer taken = std::move(client->jobs.front());
+  client->jobs.pop_front();
+  ++client->running;
   ++running;
-  if (client.jobs.empty()) turns.pop_back();
   return taken;
 }
 
@@ -97,18 +144,29 @@ void FairQueue::State::run(WaitingPointer next) {
   Work work = std::move(next->job.work);
   next.reset();
   // Also if the work throws, which the executor reports.
-  const auto end = [this, &client](State* state) {
-    {
-      const std::lock_guard lock(mutex);
-      --running;
-      --clients[client].running;
-      leave(client);
-    }
+  const auto ends = [&client, begun = now()](State* state) {
+    state->end(client, state->now() - begun);
     state->start_next();
   };
-  const std::unique_ptr<State, decltype(end)> ended(this, end);
+  const std::unique_ptr<State, decltype(ends)> ended(this, ends);
   work();
   work = {};  // frees its data before other jobs begin
+}
+
+/// Charges a client for the time of its job.
+void FairQueue::State::end(const std::string& name, Clock::duration cost) {
+  const std::lock_guard lock(mutex);
+  --running;
+  const auto client = find(name);
+  --client->running;
+  client->debt += std::max(Clock::duration::zero(), cost - kTurn);
+  const bool anyone_waits =
+      std::ranges::any_of(clients, [](const Client& each) { return !each.jobs.empty(); });
+  if (running == 0 && !anyone_waits) {
+    clients.clear();  // Nobody waits for the time that they have used.
+  } else if (!is_needed(*client)) {
+    clients.erase(client);
+  }
 }
 
 /// Drops a job whose stop is requested, if it has not begun.
@@ -116,27 +174,26 @@ void FairQueue::State::drop(const Waiting* unwanted) {
   WaitingPointer dropped;
   {
     const std::lock_guard lock(mutex);
-    const auto client = clients.find(unwanted->job.client);
+    const auto client = find(unwanted->job.client);
     if (client == clients.end()) return;
-    auto& jobs = client->second.jobs;
+    auto& jobs = client->jobs;
     const auto found = std::ranges::find(jobs, unwanted, &WaitingPointer::get);
     if (found == jobs.end()) return;
     dropped = std::move(*found);
     jobs.erase(found);
-    leave(dropped->job.client);
+    if (!is_needed(*client)) clients.erase(client);
   }
   dropped->job.dropped();
 }
 
-FairQueue::FairQueue(Executor& executor, int parallel)
-    : state_(std::make_shared<State>(executor, std::max(parallel, 1))) {}
+FairQueue::FairQueue(Executor& executor, int parallel, Now now)
+    : state_(std::make_shared<State>(executor, std::max(parallel, 1), std::move(now))) {}
 
 FairQueue::~FairQueue() {
-  std::map<std::string, Client> clients;  // destroyed without the lock
+  std::vector<std::deque<WaitingPointer>> unbegun;  // destroyed without the lock
   const std::lock_guard lock(state_->mutex);
   state_->is_closed = true;
-  for (auto& [name, client] : state_->clients) clients[name].jobs = std::exchange(client.jobs, {});
-  state_->turns.clear();
+  for (Client& client : state_->clients) unbegun.push_back(std::exchange(client.jobs, {}));
 }
 
 void FairQueue::post(Job job) {
@@ -153,7 +210,7 @@ void FairQueue::post(Job job) {
 std::size_t FairQueue::waiting() const {
   const std::lock_guard lock(state_->mutex);
   std::size_t count = 0;
-  for (const auto& [name, client] : state_->clients) count += client.jobs.size();
+  for (const Client& client : state_->clients) count += client.jobs.size();
   return count;
 }
 

@@ -18,22 +18,35 @@ class FairQueueTest : public testing::Test {
                 .dropped = [this, client] { dropped.push_back(client); },
                 .stop = stop});
   }
+  /// Posts a job that occupies its thread for some time.
+  void post_long(FairQueue& queue, const std::string& client, std::chrono::milliseconds cost) {
+    queue.post({.client = client,
+                .work =
+                    [this, client, cost] {
+                      time += cost;
+                      ran.push_back(client);
+                    },
+                .dropped = [] {}});
+  }
 
   test::ManualExecutor executor;
+  Clock::time_point time;  ///< virtual
+  const FairQueue::Now now = [this] { return time; };
   std::vector<std::string> ran, dropped;
 };
 
+using namespace std::chrono_literals;
 using Names = std::vector<std::string>;
 
 TEST_F(FairQueueTest, ClientsTakeTurns) {
-  FairQueue queue(executor, 1);
+  FairQueue queue(executor, 1, now);
   for (const char* client : {"a", "a", "a", "a", "b", "b", "c"}) post(queue, client);
   executor.run();
   EXPECT_EQ(ran, (Names{"a", "a", "b", "c", "a", "b", "a"}));
 }
 
 TEST_F(FairQueueTest, ReturningClientQueuesBehindWaitingOnes) {
-  FairQueue queue(executor, 1);
+  FairQueue queue(executor, 1, now);
   for (const char* client : {"a", "b", "c"}) post(queue, client);
   executor.run_one();
   post(queue, "a");
@@ -42,7 +55,7 @@ TEST_F(FairQueueTest, ReturningClientQueuesBehindWaitingOnes) {
 }
 
 TEST_F(FairQueueTest, OneClientLeavesAThreadFree) {
-  FairQueue queue(executor, 3);
+  FairQueue queue(executor, 3, now);
   for (int n = 0; n < 10; ++n) post(queue, "greedy");
   EXPECT_EQ(executor.waiting(), 2U);
   post(queue, "other");
@@ -53,7 +66,7 @@ TEST_F(FairQueueTest, OneClientLeavesAThreadFree) {
 }
 
 TEST_F(FairQueueTest, IdleClientsGoFirst) {
-  FairQueue queue(executor, 3);
+  FairQueue queue(executor, 3, now);
   for (int n = 0; n < 3; ++n) post(queue, "a");
   for (int n = 0; n < 3; ++n) post(queue, "b");
   // Two jobs of a and one of b have begun. When the oldest ends, both have one.
@@ -63,7 +76,7 @@ TEST_F(FairQueueTest, IdleClientsGoFirst) {
 }
 
 TEST_F(FairQueueTest, AStopEndsAWaitingJobAtOnce) {
-  FairQueue queue(executor, 1);
+  FairQueue queue(executor, 1, now);
   std::stop_source stop;
   post(queue, "a");
   post(queue, "b", stop.get_token());
@@ -77,7 +90,7 @@ TEST_F(FairQueueTest, AStopEndsAWaitingJobAtOnce) {
 }
 
 TEST_F(FairQueueTest, AStopLeavesAJobThatHasBegun) {
-  FairQueue queue(executor, 1);
+  FairQueue queue(executor, 1, now);
   std::stop_source stop;
   post(queue, "a", stop.get_token());
   stop.request_stop();
@@ -87,7 +100,7 @@ TEST_F(FairQueueTest, AStopLeavesAJobThatHasBegun) {
 }
 
 TEST_F(FairQueueTest, StoppedJobIsDroppedWhenPosted) {
-  FairQueue queue(executor, 1);
+  FairQueue queue(executor, 1, now);
   std::stop_source stop;
   stop.request_stop();
   post(queue, "a", stop.get_token());
@@ -97,7 +110,7 @@ TEST_F(FairQueueTest, StoppedJobIsDroppedWhenPosted) {
 
 TEST_F(FairQueueTest, WaitingJobsEndWithTheQueue) {
   {
-    FairQueue queue(executor, 1);
+    FairQueue queue(executor, 1, now);
     post(queue, "a");
     post(queue, "b");
   }
@@ -107,7 +120,7 @@ TEST_F(FairQueueTest, WaitingJobsEndWithTheQueue) {
 }
 
 TEST_F(FairQueueTest, ExceptionReleasesTheTurn) {
-  FairQueue queue(executor, 1);
+  FairQueue queue(executor, 1, now);
   queue.post({.client = "a",
               .work = [] { throw std::runtime_error("thrown by a test"); },
               .dropped = [] {}});
@@ -115,6 +128,102 @@ TEST_F(FairQueueTest, ExceptionReleasesTheTurn) {
   EXPECT_THROW(executor.run_one(), std::runtime_error);
   executor.run();
   EXPECT_EQ(ran, Names{"b"});
+}
+
+TEST_F(FairQueueTest, JobsOfOneTurnCountAlike) {
+  FairQueue queue(executor, 1, now);
+  for (int n = 0; n < 3; ++n) post_long(queue, "a", FairQueue::kTurn);
+  for (int n = 0; n < 3; ++n) post_long(queue, "b", 1ms);
+  executor.run();
+  EXPECT_EQ(ran, (Names{"a", "b", "a", "b", "a", "b"}));
+}
+
+TEST_F(FairQueueTest, ACostlyJobIsPaidWithTurns) {
+  FairQueue queue(executor, 1, now);
+  for (int n = 0; n < 2; ++n) post_long(queue, "a", 4 * FairQueue::kTurn);
+  for (int n = 0; n < 6; ++n) post_long(queue, "b", FairQueue::kTurn);
+  executor.run();
+  EXPECT_EQ(ran, (Names{"a", "b", "b", "b", "b", "a", "b", "b"}));
+}
+
+TEST_F(FairQueueTest, NewClientDoesNotWaitForDebts) {
+  FairQueue queue(executor, 1, now);
+  for (int n = 0; n < 3; ++n) post_long(queue, "a", 1min);
+  for (int n = 0; n < 3; ++n) post_long(queue, "b", 1s);
+  executor.run_one();
+  executor.run_one();
+  post_long(queue, "c", 1s);
+  executor.run();
+  EXPECT_EQ(ran[2], "c");
+}
+
+TEST_F(FairQueueTest, ADebtOutlastsTheJobsOfItsClient) {
+  FairQueue queue(executor, 1, now);
+  post_long(queue, "a", 1s);
+  for (int n = 0; n < 3; ++n) post_long(queue, "b", 10ms);
+  executor.run_one();
+  post_long(queue, "a", 1s);
+  executor.run();
+  EXPECT_EQ(ran, (Names{"a", "b", "b", "b", "a"}));
+}
+
+TEST_F(FairQueueTest, TimeThatNobodyWaitedForIsFree) {
+  FairQueue queue(executor, 1, now);
+  post_long(queue, "a", 1h);
+  executor.run();
+  post_long(queue, "a", 1s);
+  post_long(queue, "b", 1s);
+  executor.run();
+  EXPECT_EQ(ran, (Names{"a", "a", "b"}));
+}
+
+/// New clients that arrive for ever must not keep one from its turn.
+TEST_F(FairQueueTest, ADebtIsPaidAlthoughNewClientsArrive) {
+  FairQueue queue(executor, 1, now);
+  for (int n = 0; n < 2; ++n) post_long(queue, "a", 1s);
+  int arrived = 0;
+  do {
+    post_long(queue, "new" + std::to_string(++arrived), 10ms);
+    executor.run_one();
+  } while (std::ranges::count(ran, "a") < 2 && arrived < 1000);
+  EXPECT_LE(arrived, 102);
+}
+
+/// Clients with jobs of different costs always wait. Each must get the same time on the threads.
+TEST_F(FairQueueTest, WaitingClientsGetTheSameTime) {
+  for (std::uint32_t seed = 0; seed < 100; ++seed) {
+    std::mt19937 random(seed);
+    const int parallel = 1 + static_cast<int>(seed % 3);
+    const int clients = parallel + 2 + static_cast<int>(random() % 5);
+    FairQueue queue(executor, parallel, now);
+    std::map<std::string, std::chrono::milliseconds> used;
+    const auto longest = std::chrono::milliseconds(5000);
+    const std::function<void(std::string, unsigned)> repeat = [&](const std::string& name,
+                                                                  unsigned most_ms) {
+      const std::chrono::milliseconds cost(FairQueue::kTurn.count() + random() % most_ms);
+      queue.post({.client = name,
+                  .work =
+                      [&, name, most_ms, cost] {
+                        time += cost;
+                        used[name] += cost;
+                        if (used[name] < 100s) repeat(name, most_ms);
+                      },
+                  .dropped = [] {}});
+    };
+    for (int n = 0; n < clients; ++n) {
+      const std::string name(1, static_cast<char>('a' + n));
+      const auto most_ms = n == 0 ? 5000U : 1 + static_cast<unsigned>(random()) % 5000U;
+      used[name] = 0s;
+      for (int waiting = 0; waiting < 2 * parallel; ++waiting) repeat(name, most_ms);
+    }
+    const auto all_wait = [&] {
+      return std::ranges::all_of(used, [](const auto& each) { return each.second < 100s; });
+    };
+    while (all_wait()) executor.run_one();
+    const auto [least, most] = std::ranges::minmax(std::views::values(used));
+    EXPECT_LE(most - least, 2 * parallel * longest) << "seed " << seed;
+    executor.run();
+  }
 }
 
 /// The numbers of jobs that had run when the only job of a client was posted.
@@ -131,7 +240,7 @@ class Arrivals {
       : random_(seed),
         parallel_(1 + static_cast<int>(seed % 4)),
         clients_(2 + static_cast<int>(seed / 4 % 6)),
-        queue_(executor_, parallel_) {}
+        queue_(executor_, parallel_, [this] { return time_; }) {}
 
   void run() {
     for (int step = 0; step < 400; ++step) {
@@ -178,6 +287,7 @@ class Arrivals {
   std::mt19937 random_;
   int parallel_, clients_;
   test::ManualExecutor executor_;
+  Clock::time_point time_;  ///< stands still, so that no client gets into debt
   FairQueue queue_;
   std::map<std::string, int> outstanding_, ran_;
   std::size_t total_ = 0;
