@@ -13,19 +13,34 @@ namespace {
 /// Number of records read at a time.
 constexpr std::size_t kAhead = 4096;
 
+/// Returns the block of a scene before its first record, with its tools.
+std::expected<Sculpture, std::string> untouched_block(const Scene& scene) {
+  auto block = Sculpture::create(scene.settings);
+  if (!block) return std::unexpected(block.error().reason);
+  for (const auto& [id, tool] : scene.tools) {
+    if (auto ok = block->apply(DefineTool{id, tool.tool}); !ok) {
+      return std::unexpected(ok.error().reason);
+    }
+  }
+  return *std::move(block);
+}
+
+std::vector<TileIndex> all_tiles(const DexelGrid& grid) {
+  std::vector<TileIndex> tiles;
+  for (int x = 0; x < grid.tiles_x(); ++x) {
+    for (int y = 0; y < grid.tiles_y(); ++y) tiles.push_back({x, y});
+  }
+  return tiles;
+}
+
 }  // namespace
 
 PastBlock::PastBlock(std::unique_ptr<PastSource> source, Sculpture block)
     : source_(std::move(source)), block_(std::move(block)) {}
 
 std::expected<PastBlock, std::string> PastBlock::create(std::unique_ptr<PastSource> source) {
-  auto block = Sculpture::create(source->scene().settings);
-  if (!block) return std::unexpected(block.error().reason);
-  for (const auto& [id, tool] : source->scene().tools) {
-    if (auto ok = block->apply(DefineTool{id, tool.tool}); !ok) {
-      return std::unexpected(ok.error().reason);
-    }
-  }
+  auto block = untouched_block(source->scene());
+  if (!block) return std::unexpected(block.error());
   return PastBlock(std::move(source), *std::move(block));
 }
 
@@ -44,11 +59,25 @@ std::expected<bool, std::string> PastBlock::take(std::uint64_t record, const Til
   if (!*tiles) return false;
   const auto time = source_->time_of(record);
   if (!time) return std::unexpected(time.error());
-  const ReplacedTiles replaced = block_.replace(**tiles);
-  changed_.insert(changed_.end(), replaced.changed_tiles.begin(), replaced.changed_tiles.end());
+  if (auto ok = replace(**tiles); !ok) return std::unexpected(ok.error());
   record_ = record;
   time_ms_ = *time;
+  is_torn_ = false;
   return true;
+}
+
+/// Replaces tiles of the block, or all of a torn block, given its tiles.
+std::expected<void, std::string> PastBlock::replace(std::span<const TileReplacement> tiles) {
+  const bool was_torn = std::exchange(is_torn_, true);
+  if (was_torn) {
+    auto untouched = untouched_block(source_->scene());
+    if (!untouched) return std::unexpected(untouched.error());
+    block_ = *std::move(untouched);
+  }
+  std::vector<TileIndex> changed = block_.replace(tiles).changed_tiles;
+  if (was_torn) changed = all_tiles(block_.grid());
+  changed_.insert(changed_.end(), changed.begin(), changed.end());
+  return {};
 }
 
 std::expected<void, std::string> PastBlock::read_ahead(const std::stop_token& stop) {
@@ -63,6 +92,11 @@ std::expected<PastBlock::Played, std::string> PastBlock::play(const PlayUntil& u
                                                               const std::stop_token& stop) {
   const auto end = Clock::now() + budget;
   Played played;
+  if (is_torn_) {
+    if (auto mended = seek(record_, stop); !mended) return std::unexpected(mended.error());
+  }
+  // Records that could not be applied are read again.
+  if (!ahead_.empty() && ahead_.front().sequence != record_ + 1) ahead_.clear();
   for (;;) {
     if (ahead_.empty()) {
       if (auto ok = read_ahead(stop); !ok) return std::unexpected(ok.error());
@@ -107,12 +141,14 @@ std::expected<void, std::string> PastBlock::apply(const JournalRecord& record,
   auto command = kernel_command(record.command);
   auto* move = std::get_if<MoveTool>(&*command);
   if (move != nullptr) move->feel = until.feels;
+  is_torn_ = true;
   const auto result = block_.apply(*command);
   if (!result) return std::unexpected(result.error().reason);
-  record_ = record.sequence;
-  time_ms_ = record.wall_ms;
   changed_.insert(changed_.end(), result->changed_tiles.begin(), result->changed_tiles.end());
   if (move != nullptr) show(record, *move, *result);
+  record_ = record.sequence;
+  time_ms_ = record.wall_ms;
+  is_torn_ = false;
   return {};
 }
 

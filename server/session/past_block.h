@@ -7,6 +7,7 @@
 #include <expected>
 #include <limits>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -29,7 +30,8 @@ struct PlayUntil {
 };
 
 /// A copy of a journal's block that seeks to any record and plays forward from there, with the
-/// forces of the participants. Not thread-safe. Errors are one sentence.
+/// forces of the participants. If an exception ends a call, for lack of memory say, the next call
+/// begins with a new block. Not thread-safe. Errors are one sentence.
 class PastBlock {
  public:
   /// The block before the first record.
@@ -65,6 +67,7 @@ class PastBlock {
   PastBlock(std::unique_ptr<PastSource> source, Sculpture block);
   using Tiles = std::expected<std::optional<std::vector<TileReplacement>>, std::string>;
   std::expected<bool, std::string> take(std::uint64_t record, const Tiles& tiles);
+  std::expected<void, std::string> replace(std::span<const TileReplacement> tiles);
   std::expected<void, std::string> change(const JournalRecord& record, const PlayUntil& until,
                                           const std::stop_token& stop);
   std::expected<void, std::string> read_ahead(const std::stop_token& stop);
@@ -76,6 +79,7 @@ class PastBlock {
   Sculpture block_;
   std::uint64_t record_ = 0;
   std::int64_t time_ms_ = 0;
+  bool is_torn_ = false;             ///< the block matches no record
   std::deque<JournalRecord> ahead_;  ///< read but not applied
   std::vector<TileIndex> changed_;
   wire::ToolStates tools_;

@@ -5,11 +5,13 @@
 #include <filesystem>
 #include <functional>
 #include <future>
+#include <memory>
 #include <optional>
 #include <random>
 #include <sstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "kernel/surface/tile_mesh.h"
@@ -48,6 +50,45 @@ class Past : public SessionUndo {
     return done.value_or(false);
   }
 };
+
+/// Has no tiles while it is busy.
+class BusySource final : public PastSource {
+ public:
+  BusySource(std::unique_ptr<PastSource> source, const bool& is_busy)
+      : source_(std::move(source)), is_busy_(is_busy) {}
+  const Scene& scene() const override { return source_->scene(); }
+  std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_at(
+      std::uint64_t record, const std::stop_token& stop) override {
+    if (is_busy_) return std::unexpected(kOthersAskHistory);
+    return source_->tiles_at(record, stop);
+  }
+  std::expected<std::int64_t, std::string> time_of(std::uint64_t record) override {
+    return source_->time_of(record);
+  }
+  std::expected<std::vector<JournalRecord>, std::string> records_after(
+      std::uint64_t record, std::size_t count, const std::stop_token& stop) override {
+    return source_->records_after(record, count, stop);
+  }
+
+ private:
+  std::unique_ptr<PastSource> source_;
+  const bool& is_busy_;
+};
+
+TEST_F(Past, AChangeThatCouldNotBePlayedIsPlayedLater) {
+  carve();
+  bool is_busy = false;
+  auto source = std::make_unique<BusySource>(past_of(session_), is_busy);
+  PastBlock block = PastBlock::create(std::move(source)).value();
+  ASSERT_TRUE(seek(block, 10));
+  const std::uint64_t last = session_->sequence();
+  is_busy = true;
+  EXPECT_FALSE(block.play({.record = last}, 1h, {}));
+  is_busy = false;
+  ASSERT_TRUE(block.play({.record = last}, 1h, {}));
+  EXPECT_EQ(block.record(), last);
+  EXPECT_EQ(block.solid().hash(), hash_at(last));
+}
 
 TEST_F(Past, SeeksToAnyRecordToTheBit) {
   for (const char* rays : {"\"dexel\"", "\"tri-dexel\""}) {
