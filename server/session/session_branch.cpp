@@ -33,8 +33,10 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::branch(
   // Always include the first records: they define the tools, without which nobody could cut.
   const std::uint64_t last = std::max<std::uint64_t>(record, parent.scene().tools.size());
   const JournalParent point{parent.id(), last, parent.epoch(), Clock::wall_ms()};
-  return start_new(
-      *reserved, branch_journal(parent.journal_file(), journal_path(*reserved), *reserved, point));
+  const auto write = [&](const std::string& branch) {
+    return branch_journal(parent.journal_file(), journal_path(branch), branch, point);
+  };
+  return start_new(*reserved, write);
 }
 
 }  // namespace kerf

@@ -217,16 +217,13 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::reopen(
     return std::unexpected(
         RegistryError{RegistryErrorCode::kBadId, name + " does not name a session", {}});
   }
-  if (const auto reserved = reserve(id, {}, true); !reserved) {
-    return std::unexpected(reserved.error());
-  }
+  const auto reserved = reserve(id, {}, true);
+  if (!reserved) return std::unexpected(reserved.error());
   const auto moved = keep_journal(*file, options_.data_folder, id);
   if (moved) load(id, report);
   const std::lock_guard lock(mutex_);
   if (auto session = sessions_[id]) return session;
-  sessions_.erase(id);
   unreadable_.erase(id);
-  if (options_.places != nullptr) options_.places->give_up(id);
   if (!moved) {
     return std::unexpected(RegistryError{
         RegistryErrorCode::kJournal, file->string() + ": " + moved.error().message(), {}});

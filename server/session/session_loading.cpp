@@ -103,35 +103,43 @@ bool SessionRegistry::load_next(LoadReport& report) {
     id = std::move(waiting_.front());
     waiting_.pop_front();
   }
-  load(id, report);
-  const std::lock_guard lock(mutex_);
-  loading_.erase(id);
+  open(id, report);
   return true;
 }
 
 void SessionRegistry::load(const std::string& id, LoadReport& report) {
   const auto failed = [&](JournalErrorCode code, const std::exception& error) {
-    return std::unexpected(JournalError{code, journal_path(id).string(), 0, error.what()});
+    note_unreadable({code, journal_path(id).string(), 0, error.what()}, id, report);
   };
-  Opened opened;
-  std::expected<std::shared_ptr<Session>, JournalError> session;
   try {
-    session = start(id, opened, Opening::kLoaded);
+    Opened opened;
+    if (auto session = start(id, opened, Opening::kLoaded)) {
+      note_loaded(*std::move(session), opened, report);
+    } else {
+      note_unreadable(session.error(), id, report);
+    }
   } catch (const std::system_error& error) {  // of the operating system
-    session = failed(JournalErrorCode::kIo, error);
+    failed(JournalErrorCode::kIo, error);
   } catch (const std::exception& error) {  // e.g. not enough memory for this block
-    session = failed(JournalErrorCode::kNotLoaded, error);
+    failed(JournalErrorCode::kNotLoaded, error);
   }
+}
+
+void SessionRegistry::note_unreadable(const JournalError& error, const std::string& id,
+                                      LoadReport& report) {
   const std::lock_guard lock(mutex_);
   unreadable_.erase(id);
-  if (!session) {
-    if (stop_loading_.stop_requested()) return;
-    report.failures.push_back(session.error());
-    // The operator may have moved it away.
-    if (session.error().code != JournalErrorCode::kNotFound) unreadable_[id] = session.error();
-    return;
-  }
-  report.loaded.push_back(id);
+  if (stop_loading_.stop_requested()) return;
+  report.failures.push_back(error);
+  // The operator may have moved it away.
+  if (error.code != JournalErrorCode::kNotFound) unreadable_[id] = error;
+}
+
+void SessionRegistry::note_loaded(std::shared_ptr<Session> session, const Opened& opened,
+                                  LoadReport& report) {
+  const std::string& id = session->id();
+  const std::lock_guard lock(mutex_);
+  unreadable_.erase(id);
   if (opened.kernel_version != kKernelVersion) {
     report.recarved.push_back({id, opened.kernel_version});
   }
@@ -139,7 +147,8 @@ void SessionRegistry::load(const std::string& id, LoadReport& report) {
   if (!opened.snapshot_fault.empty()) {
     report.ignored.push_back({id, opened.snapshot_fault, opened.snapshot_sequence});
   }
-  sessions_[id] = *std::move(session);
+  report.loaded.push_back(id);
+  sessions_[id] = std::move(session);
 }
 
 void SessionRegistry::open_one_by_one() {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <utility>
 
 #include "server/threads/run_and_wait.h"
@@ -121,25 +122,48 @@ std::expected<std::string, RegistryError> SessionRegistry::free_id(std::string i
   return id;
 }
 
-std::expected<std::string, RegistryError> SessionRegistry::reserve(std::string id,
-                                                                   const std::string& name,
-                                                                   bool is_known) {
-  std::expected<std::string, RegistryError> reserved;
+SessionRegistry::Reservation::~Reservation() {
+  if (registry_ == nullptr) return;
   {
-    const std::lock_guard lock(mutex_);
-    reserved = free_id(std::move(id), name);
-    if (!reserved) return reserved;
-    sessions_[*reserved] = nullptr;
-    unreadable_.erase(*reserved);  // its file has been moved away
+    const std::lock_guard lock(registry_->mutex_);
+    const auto found = registry_->sessions_.find(id_);
+    if (found == registry_->sessions_.end() || found->second) return;
+    registry_->sessions_.erase(found);
   }
-  if (options_.places == nullptr) return reserved;
-  const auto claimed = options_.places->claim(*reserved, is_known);
-  if (claimed) return reserved;
-  const std::lock_guard lock(mutex_);
-  sessions_.erase(*reserved);
-  const bool is_taken = options_.places->is_taken(*reserved);
+  if (!is_claimed_) return;
+  try {
+    registry_->options_.places->give_up(id_);
+  } catch (const std::exception&) {
+    // The lease expires.
+  }
+}
+
+std::expected<void, RegistryError> SessionRegistry::Reservation::claim(bool is_known) {
+  SessionPlaces* const places = registry_->options_.places;
+  if (places == nullptr) return {};
+  const auto claimed = places->claim(id_, is_known);
+  is_claimed_ = claimed.has_value();
+  if (claimed) return {};
+  const std::lock_guard lock(registry_->mutex_);
+  const bool is_taken = places->is_taken(id_);
   return std::unexpected(RegistryError{
       is_taken ? RegistryErrorCode::kExists : RegistryErrorCode::kNoLease, claimed.error(), {}});
+}
+
+std::expected<SessionRegistry::Reservation, RegistryError> SessionRegistry::reserve(
+    std::string id, const std::string& name, bool is_known) {
+  const auto enter = [&]() -> std::expected<Reservation, RegistryError> {
+    const std::lock_guard lock(mutex_);
+    auto free = free_id(std::move(id), name);
+    if (!free) return std::unexpected(free.error());
+    sessions_.try_emplace(*free);
+    unreadable_.erase(*free);  // its file has been moved away
+    return Reservation(*this, *std::move(free));
+  };
+  auto reserved = enter();
+  if (!reserved) return reserved;
+  if (auto claimed = reserved->claim(is_known); !claimed) return std::unexpected(claimed.error());
+  return reserved;
 }
 
 std::expected<Scene, RegistryError> SessionRegistry::check_scene(std::string_view scene_text,
@@ -188,27 +212,34 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
   if (!scene) return std::unexpected(scene.error());
   const auto reserved = reserve(std::move(id), scene->name);
   if (!reserved) return std::unexpected(reserved.error());
-  JournalHeader header{*reserved, scene_json(*scene), {}, 1, std::exchange(scene->files, {})};
-  if (source.base_folder) {
-    std::error_code ignored;
-    header.base_folder = std::filesystem::absolute(*source.base_folder, ignored).string();
-  }
-  return start_new(*reserved, write_first_records(journal_path(*reserved), header, *scene));
+  const auto write = [&](const std::string& session) {
+    JournalHeader header{session, scene_json(*scene), {}, 1, std::exchange(scene->files, {})};
+    if (source.base_folder) {
+      std::error_code ignored;
+      header.base_folder = std::filesystem::absolute(*source.base_folder, ignored).string();
+    }
+    return write_first_records(journal_path(session), header, *scene);
+  };
+  return start_new(*reserved, write);
 }
 
 std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::start_new(
-    const std::string& id, const std::expected<void, JournalError>& written) {
+    const Reservation& reserved,
+    const std::function<std::expected<void, JournalError>(const std::string& id)>& write) try {
+  const std::string& id = reserved.id();
+  const auto written = write(id);
   Opened opened;
   auto session = written ? start(id, opened, Opening::kNew) : std::unexpected(written.error());
-  const std::lock_guard lock(mutex_);
   if (!session) {
-    sessions_.erase(id);
-    if (options_.places != nullptr) options_.places->give_up(id);
     if (session.error().code != JournalErrorCode::kExists) remove_journal(journal_path(id));
     return std::unexpected(registry_error(session.error()));
   }
+  const std::lock_guard lock(mutex_);
   sessions_[id] = *session;
   return *session;
+} catch (...) {  // e.g. not enough memory
+  remove_journal(journal_path(reserved.id()));
+  throw;
 }
 
 std::shared_ptr<Session> SessionRegistry::find(const std::string& id) const {

@@ -14,6 +14,7 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "server/session/session.h"
@@ -248,6 +249,27 @@ class SessionRegistry {
     SessionRegistry& registry_;
     const std::string& name_;
   };
+  /// The id of a session that is being created or reopened. The destructor frees it unless the
+  /// session is open by then, also after an exception.
+  class Reservation {
+   public:
+    Reservation(SessionRegistry& registry, std::string id)
+        : registry_(&registry), id_(std::move(id)) {}
+    Reservation(Reservation&& other) noexcept
+        : registry_(std::exchange(other.registry_, nullptr)),
+          id_(std::move(other.id_)),
+          is_claimed_(other.is_claimed_) {}
+    Reservation& operator=(Reservation&&) = delete;
+    ~Reservation();
+    /// Claims the session from the other servers.
+    std::expected<void, RegistryError> claim(bool is_known);
+    const std::string& id() const { return id_; }
+
+   private:
+    SessionRegistry* registry_;
+    std::string id_;
+    bool is_claimed_ = false;
+  };
   /// Findings when the journal of a session was opened.
   struct Opened {
     std::int64_t kernel_version = kKernelVersion;
@@ -260,20 +282,21 @@ class SessionRegistry {
   std::expected<std::shared_ptr<Session>, JournalError> start(const std::string& id, Opened& opened,
                                                               Opening opening);
   void load(const std::string& id, LoadReport& report);
+  void note_loaded(std::shared_ptr<Session> session, const Opened& opened, LoadReport& report);
+  void note_unreadable(const JournalError& error, const std::string& id, LoadReport& report);
   static std::expected<void, JournalError> end_committed(const std::shared_ptr<Session>& session,
                                                          bool purge);
   std::expected<void, RegistryError> move_to_closed(const std::string& id);
   std::expected<void, RegistryError> state_end(const std::string& id);
   std::expected<void, RegistryError> put_away(const std::string& id, bool purge);
-  /// Opens the session of a newly written journal and deletes it if it cannot be opened, or if
-  /// `written` is an error.
+  /// Writes the journal of a new session and opens it. Deletes the journal if either fails.
   std::expected<std::shared_ptr<Session>, RegistryError> start_new(
-      const std::string& id, const std::expected<void, JournalError>& written);
+      const Reservation& reserved,
+      const std::function<std::expected<void, JournalError>(const std::string& id)>& write);
   std::expected<Scene, RegistryError> check_scene(std::string_view scene_text,
                                                   const SceneSource& source) const;
   std::expected<std::string, RegistryError> free_id(std::string id, const std::string& name) const;
-  /// Reserves the id of a session that is created or, with `is_known`, reopened.
-  std::expected<std::string, RegistryError> reserve(std::string id, const std::string& name,
+  std::expected<Reservation, RegistryError> reserve(std::string id, const std::string& name,
                                                     bool is_known = false);
   void end(const std::shared_ptr<Session>& session, const std::string& reason,
            const std::string& redirect = {});

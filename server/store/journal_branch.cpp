@@ -132,6 +132,16 @@ std::expected<void, JournalError> rename_branch(const std::filesystem::path& cop
   return std::unexpected(JournalError{code, to.string(), 0, error.message()});
 }
 
+/// Writes the copy and closes it.
+std::expected<void, JournalError> write_branch(const std::filesystem::path& from,
+                                               const std::filesystem::path& copy,
+                                               const JournalHeader& header,
+                                               const JournalParent& parent) {
+  auto database = create_journal(copy, header, CreateMode::kCopy);
+  if (!database) return std::unexpected(database.error());
+  return fill(from, *database, parent);
+}
+
 }  // namespace
 
 std::expected<void, JournalError> branch_journal(const std::filesystem::path& from,
@@ -144,13 +154,15 @@ std::expected<void, JournalError> branch_journal(const std::filesystem::path& fr
   header.session = session;
   const std::filesystem::path copy = unfinished_file(to);
   remove_journal(copy);  // possibly left by a crash
-  auto database = create_journal(copy, header, CreateMode::kCopy);
-  if (!database) return std::unexpected(database.error());
-  auto filled = fill(from, *database, parent);
-  database = std::unexpected(JournalError{});  // close it
-  if (filled) filled = rename_branch(copy, to);
-  if (!filled) remove_journal(copy);
-  return filled;
+  try {
+    auto written = write_branch(from, copy, header, parent);
+    if (written) written = rename_branch(copy, to);
+    if (!written) remove_journal(copy);
+    return written;
+  } catch (...) {  // e.g. not enough memory
+    remove_journal(copy);
+    throw;
+  }
 }
 
 bool is_unfinished_branch(const std::filesystem::path& file) {

@@ -1,60 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // One allocation fails somewhere during a request. Afterwards either the block matches the journal,
 // or the request was rejected and has changed nothing.
-#include "tests/server/random_runs.h"
-#include "tests/server/undo_fixture.h"
-#include "tests/support/failing_memory.h"
+#include "tests/server/memory_fixture.h"
 #include "tests/support/test.h"
 
 namespace kerf::memory_test {
 namespace {
-
-class SessionWithoutMemory : public SessionUndo {
- protected:
-  void carve_three_strokes() {
-    create();
-    ada_ = join("Ada");
-    const ParticipantId bo = join("Bo");
-    stroke(ada_, {-15, 0, -2}, {15, 0, -2});
-    crossing_ = stroke(bo, {0, -15, -3}, {0, 15, -3});
-    stroke(ada_, {-15, 5, -2}, {15, 5, -2});
-    executor_->run();
-  }
-  /// Runs the session's turns like its thread, which continues after an exception.
-  void run_turns(bool delayed = false) {
-    try {
-      executor_->run(delayed);
-    } catch (const std::bad_alloc&) {
-    }
-  }
-  template <typename Result>
-  Result get(std::future<Result> answer) {
-    while (answer.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) {
-      run_turns();
-    }
-    run_turns();
-    return answer.get();
-  }
-  /// Runs all pending retries to their end.
-  void settle() {
-    for (int n = 0; n < 10 && session_->is_between_records(); ++n) {
-      run_turns(true);
-      get(std::async(std::launch::async, [this] { workers_.run(); }));
-    }
-  }
-  /// Undoes or redoes the crossing stroke. Returns whether that succeeded.
-  bool turn() {
-    StrokeRequest request{.undone = !is_undone_, .strokes = {crossing_}};
-    request.caller = Caller::local();
-    return get(std::async(std::launch::async, [this, request] {
-      SerialWorkers alone;
-      return session_->stroke_changes().change(request, alone).has_value();
-    }));
-  }
-  ParticipantId ada_ = 0;
-  StrokeId crossing_ = 0;
-  bool is_undone_ = false;
-};
 
 TEST_F(SessionWithoutMemory, UndoSucceedsOrChangesNothing) {
   carve_three_strokes();
@@ -67,7 +18,7 @@ TEST_F(SessionWithoutMemory, UndoSucceedsOrChangesNothing) {
   }
   is_undone_ = true;
   std::mt19937_64 random(setting("KERF_SEED", 1));
-  const unsigned failures = setting("KERF_EFFORT", 60);
+  const unsigned failures = setting("KERF_EFFORT", kEffort);
   for (unsigned n = 0; n < failures && !HasFailure(); ++n) {
     const std::uint64_t k = 1 + random() % allocations;
     SCOPED_TRACE("allocation " + std::to_string(k));
