@@ -5,6 +5,7 @@
 #include <expected>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 
 #include "kernel/dexel/triangle_mesh.h"
@@ -30,10 +31,13 @@ struct LoadedMesh {
 using LoadMeshResult = std::expected<LoadedMesh, std::string>;
 
 /// Reads a file's mesh, places it, and repairs it on request. Errors, as one clause: an unknown
-/// extension, a unit for a format that states its own, the reader's, repair_mesh's.
-LoadMeshResult load_mesh(const MeshFile& file, std::span<const std::byte> bytes);
+/// extension, a unit for a format that states its own, the reader's, repair_mesh's. Ends soon after
+/// a stop is requested ("stopped").
+LoadMeshResult load_mesh(const MeshFile& file, std::span<const std::byte> bytes,
+                         const std::stop_token& stop = {});
 
 /// load_mesh, for readers of scenes that are not linked with the model formats.
-using LoadMesh = LoadMeshResult (*)(const MeshFile& file, std::span<const std::byte> bytes);
+using LoadMesh = LoadMeshResult (*)(const MeshFile& file, std::span<const std::byte> bytes,
+                                    const std::stop_token& stop);
 
 }  // namespace kerf

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -111,6 +112,7 @@ struct SceneSource {
   std::map<std::string, std::string> files = {};  ///< name to content; searched before the folder
   bool keep_files = false;                        ///< store the content of every file in the scene
   LoadMesh load_mesh = nullptr;                   ///< without it a scene may name no mesh
+  std::stop_token stop = {};                      ///< ends the reading of meshes
 };
 
 /// Reads and validates a scene (JSON, at most 1 MiB):

@@ -74,7 +74,7 @@ LoadedMesh read_scene_mesh(SceneFields& fields, const MeshFile& file, const Scen
                            Scene& scene) {
   const std::string bytes = read_scene_file(fields, file.file, source, scene);
   if (source.load_mesh == nullptr) fields.reject("file", "may not name a mesh here");
-  auto loaded = source.load_mesh(file, std::as_bytes(std::span(bytes)));
+  auto loaded = source.load_mesh(file, std::as_bytes(std::span(bytes)), source.stop);
   if (!loaded) fields.reject("file", "\"" + file.file + "\": " + loaded.error());
   return *std::move(loaded);
 }

@@ -48,11 +48,13 @@ ApiResponse Api::upload_file(const ApiCall& call) {
   if (!memory) return out_of_memory();
   auto mesh = read_mesh(*format, std::as_bytes(std::span(request.body)),
                         triangles_max(request.body.size()), request.stop);
+  if (request.stop.stop_requested()) return stopped();
   if (!mesh) return error_response(400, to_string(mesh.error().code), mesh.error().reason);
   const std::string* wanted = request.query_value("repair");
   MeshRepair repair;
   if (wanted != nullptr && *wanted == "1") {
-    const auto repaired = repair_mesh(*mesh);
+    const auto repaired = repair_mesh(*mesh, request.stop);
+    if (request.stop.stop_requested()) return stopped();
     if (!repaired) return error_response(400, "not_repairable", repaired.error());
     repair = *repaired;
   }

@@ -132,6 +132,7 @@ unsigned http_status(RegistryErrorCode code) {
     case RegistryErrorCode::kNotClosed:
       return 507;
     case RegistryErrorCode::kNoLease:
+    case RegistryErrorCode::kStopped:
       return 503;
   }
   return 500;
@@ -154,6 +155,7 @@ std::string with_here(const std::string& target) {
 }  // namespace
 
 ApiResponse registry_failure(const RegistryError& error) {
+  if (error.code == RegistryErrorCode::kStopped) return stopped();
   return error_response(http_status(error.code), to_string(error.code), error.reason, error.path);
 }
 
@@ -214,6 +216,7 @@ ApiResponse Api::create_session(const ApiCall& call) {
   // uploaded files only.
   SceneSource source;
   source.files = upload_folder_.named_in(call.request.body);
+  source.stop = call.request.stop;
   if (is_dry) {
     const auto scene = registry_.check(id, call.request.body, source);
     if (!scene) return registry_failure(scene.error());
@@ -252,7 +255,7 @@ ApiResponse Api::create_branch(const ApiCall& call, const std::string& id) {
   const std::string point = at == std::string::npos ? "" : from.substr(at + 1);
   const auto record = find_requested(*parent, at == std::string::npos ? nullptr : &point);
   if (!record) return record.error();
-  const auto created = registry_.branch(id, *parent, *record);
+  const auto created = registry_.branch(id, *parent, *record, call.request.stop);
   if (!created) return registry_failure(created.error());
   if (auto failure = flush_failure(**created)) return *std::move(failure);
   return created_response(**created);

@@ -18,16 +18,23 @@ JournalError corrupt(const std::filesystem::path& file, std::uint64_t sequence,
   return {JournalErrorCode::kCorrupt, file.string(), sequence, std::move(reason)};
 }
 
+JournalError stopped_reading(const std::filesystem::path& file) {
+  return {JournalErrorCode::kIo, file.string(), 0, "stopped"};
+}
+
 }  // namespace
 
 std::expected<Scene, JournalError> journal_scene(const JournalReader& reader,
-                                                 const std::filesystem::path& file) {
+                                                 const std::filesystem::path& file,
+                                                 const std::stop_token& stop) {
   SceneSource source;
   source.name = reader.header().session;
   if (!reader.header().base_folder.empty()) source.base_folder = reader.header().base_folder;
   source.files = reader.header().files;
   source.load_mesh = load_mesh;
+  source.stop = stop;
   auto scene = parse_scene(reader.header().scene_json, source);
+  if (stop.stop_requested()) return std::unexpected(stopped_reading(file));
   if (!scene) {
     return std::unexpected(
         corrupt(file, 0, "the stored scene is invalid: " + to_string(scene.error())));
@@ -58,11 +65,13 @@ namespace {
 
 /// Returns the block of a journal before its first record.
 std::expected<Replayed, JournalError> untouched(const JournalReader& reader,
-                                                const std::filesystem::path& file) {
-  auto scene = journal_scene(reader, file);
+                                                const std::filesystem::path& file,
+                                                const std::stop_token& stop) {
+  auto scene = journal_scene(reader, file, stop);
   if (!scene) return std::unexpected(scene.error());
   auto first = first_block(reader, *scene, file);
   if (!first) return std::unexpected(first.error());
+  if (stop.stop_requested()) return std::unexpected(stopped_reading(file));
   ParticipantId last_participant = 0;
   for (const JournalParticipant& participant : reader.participants()) {
     last_participant = std::max(last_participant, participant.participant);
@@ -112,7 +121,7 @@ std::expected<void, JournalError> apply_records(JournalReader& reader,
     if (!record) return std::unexpected(record.error());
     if (!*record) break;
     if (stop.stop_requested()) {
-      return std::unexpected(JournalError{JournalErrorCode::kIo, file.string(), 0, "stopped"});
+      return std::unexpected(stopped_reading(file));
     }
     block.last_sequence = (*record)->sequence;
     if (const auto applied = carved.apply(**record); !applied) {
@@ -141,7 +150,7 @@ std::expected<Replayed, std::string> replay_from_snapshot(
   }
   const auto mark = reader->mark(head.sequence);
   if (!mark || *mark != head.mark) return std::unexpected("it is of another journal");
-  auto block = untouched(*reader, file);
+  auto block = untouched(*reader, file, stop);
   if (!block) return std::unexpected(describe(block.error()));
   {
     const auto snapshot = read_snapshot(snapshot_path, block->sculpture);
@@ -177,7 +186,7 @@ std::expected<Replayed, JournalError> replay(const std::filesystem::path& file,
                                              const std::stop_token& stop) {
   auto reader = JournalReader::open(file, RecordOrder::kSequence, stop);
   if (!reader) return std::unexpected(reader.error());
-  auto block = untouched(*reader, file);
+  auto block = untouched(*reader, file, stop);
   if (!block) return block;
   if (auto ok = apply_records(*reader, file, stop, *block); !ok) return std::unexpected(ok.error());
   return block;

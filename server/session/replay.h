@@ -62,9 +62,10 @@ std::expected<Replayed, JournalError> restore(const std::filesystem::path& file,
                                               const std::stop_token& stop = {});
 
 /// Parses the scene of a journal. It was valid when it was stored, so an invalid scene is reported
-/// as kCorrupt.
+/// as kCorrupt. Fails with kIo soon after a stop was requested.
 std::expected<Scene, JournalError> journal_scene(const JournalReader& reader,
-                                                 const std::filesystem::path& file);
+                                                 const std::filesystem::path& file,
+                                                 const std::stop_token& stop = {});
 
 /// The block of a journal before its first record.
 struct FirstBlock {

@@ -10,7 +10,7 @@
 namespace kerf {
 
 std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::branch(
-    std::string id, Session& parent, std::uint64_t record) {
+    std::string id, Session& parent, std::uint64_t record, const std::stop_token& stop) {
   using enum RegistryErrorCode;
   if (!id.empty() && !is_session_id(id)) {
     return std::unexpected(RegistryError{
@@ -36,7 +36,7 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::branch(
   const auto write = [&](const std::string& branch) {
     return branch_journal(parent.journal_file(), journal_path(branch), branch, point);
   };
-  return start_new(*reserved, write);
+  return start_new(*reserved, write, stop);
 }
 
 }  // namespace kerf

@@ -91,7 +91,7 @@ std::expected<FeltJournal, std::string> open_felt(const std::filesystem::path& j
   auto undone = start != nullptr ? std::expected<StrokeSet, std::string>(start->undone)
                                  : undone_strokes(journal, reader->last_sequence(), stop);
   if (!undone) return std::unexpected(undone.error());
-  const auto scene = journal_scene(*reader, journal);
+  const auto scene = journal_scene(*reader, journal, stop);
   if (!scene) return std::unexpected(describe(scene.error()));
   auto first = first_block(*reader, *scene, journal);
   if (!first) return std::unexpected(describe(first.error()));
@@ -141,7 +141,7 @@ ExportResult export_program(const std::filesystem::path& journal, const ProgramR
   if (!reader) return std::unexpected(describe(reader.error()));
   const auto undone = undone_strokes(journal, reader->last_sequence(), stop);
   if (!undone) return std::unexpected(undone.error());
-  const auto scene = journal_scene(*reader, journal);
+  const auto scene = journal_scene(*reader, journal, stop);
   if (!scene) return std::unexpected(describe(scene.error()));
   const auto made = make_program_writer(request.style, *scene, out);
   if (!made) return std::unexpected(made.error());

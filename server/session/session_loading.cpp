@@ -13,13 +13,12 @@
 
 namespace kerf {
 
-std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(const std::string& id,
-                                                                             Opened& opened,
-                                                                             Opening opening) {
+std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(
+    const std::string& id, Opened& opened, Opening opening, const std::stop_token& stop) {
   const auto file = journal_path(id);
   std::error_code often_absent;
   std::filesystem::remove(unfinished_file(snapshot_file(file)), often_absent);
-  auto replayed = restore(file, stop_loading_.get_token());
+  auto replayed = restore(file, stop);
   if (!replayed) return std::unexpected(replayed.error());
   if (options_.places != nullptr) {
     if (auto ok = raise_epoch(file, options_.places->epoch(id)); !ok) {
@@ -113,7 +112,7 @@ void SessionRegistry::load(const std::string& id, LoadReport& report) {
   };
   try {
     Opened opened;
-    if (auto session = start(id, opened, Opening::kLoaded)) {
+    if (auto session = start(id, opened, Opening::kLoaded, stop_loading_.get_token())) {
       note_loaded(*std::move(session), opened, report);
     } else {
       note_unreadable(session.error(), id, report);

@@ -25,6 +25,10 @@ std::expected<void, JournalError> write_first_records(const std::filesystem::pat
   return journal->flush();
 }
 
+RegistryError stopped_request() {
+  return {RegistryErrorCode::kStopped, "the work on the session was stopped", {}};
+}
+
 /// Checks that the block is small enough for viewers, which receive all of its surface.
 std::expected<void, RegistryError> check_tiles(const DexelGrid& grid, std::int64_t tiles_max) {
   const std::int64_t tiles = std::int64_t{grid.tiles_x()} * grid.tiles_y();
@@ -82,6 +86,8 @@ const char* to_string(RegistryErrorCode code) {
       return "not_closed";
     case RegistryErrorCode::kNoLease:
       return "no_lease";
+    case RegistryErrorCode::kStopped:
+      return "stopped";
   }
   return "journal_error";
 }
@@ -175,12 +181,14 @@ std::expected<Scene, RegistryError> SessionRegistry::check_scene(std::string_vie
   source_with_files.keep_files = true;
   source_with_files.load_mesh = load_mesh;
   auto scene = parse_scene(scene_text, source_with_files);
+  if (source.stop.stop_requested()) return std::unexpected(stopped_request());
   if (!scene) {
     return std::unexpected(RegistryError{kBadScene, to_string(scene.error()), scene.error().path});
   }
   if (auto ok = check_name(scene->name); !ok) return std::unexpected(ok.error());
   // Run the kernel's checks (too many columns, an obstacle inside out) before creating a file.
   const auto probe = Sculpture::create(scene->settings);
+  if (source.stop.stop_requested()) return std::unexpected(stopped_request());
   if (!probe) return std::unexpected(RegistryError{kBadScene, probe.error().reason, {}});
   if (auto ok = check_tiles(probe->grid(), options_.session.tiles_max); !ok) {
     return std::unexpected(ok.error());
@@ -220,18 +228,21 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
     }
     return write_first_records(journal_path(session), header, *scene);
   };
-  return start_new(*reserved, write);
+  return start_new(*reserved, write, source.stop);
 }
 
 std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::start_new(
     const Reservation& reserved,
-    const std::function<std::expected<void, JournalError>(const std::string& id)>& write) try {
+    const std::function<std::expected<void, JournalError>(const std::string& id)>& write,
+    const std::stop_token& stop) try {
   const std::string& id = reserved.id();
   const auto written = write(id);
   Opened opened;
-  auto session = written ? start(id, opened, Opening::kNew) : std::unexpected(written.error());
+  auto session =
+      written ? start(id, opened, Opening::kNew, stop) : std::unexpected(written.error());
   if (!session) {
     if (session.error().code != JournalErrorCode::kExists) remove_journal(journal_path(id));
+    if (stop.stop_requested()) return std::unexpected(stopped_request());
     return std::unexpected(registry_error(session.error()));
   }
   const std::lock_guard lock(mutex_);

@@ -32,7 +32,8 @@ enum class RegistryErrorCode {
   kDiskFails,  ///< the disk fails or is full now: the request may succeed later
   kDiskFull,
   kNotClosed,  ///< it stays open because the disk fails
-  kNoLease     ///< the other servers of the cluster cannot be asked
+  kNoLease,    ///< the other servers of the cluster cannot be asked
+  kStopped     ///< a stop was requested
 };
 struct RegistryError {
   RegistryErrorCode code = RegistryErrorCode::kUnknown;
@@ -194,15 +195,18 @@ class SessionRegistry {
   /// The error of a session's journal if it could not be loaded.
   std::optional<JournalError> unreadable(const std::string& id) const;
 
-  /// Starts a new session. If `id` is empty, a unique one is derived from the scene's name.
+  /// Starts a new session. If `id` is empty, a unique one is derived from the scene's name. Fails
+  /// with kStopped soon after `source.stop` was requested.
   std::expected<std::shared_ptr<Session>, RegistryError> create(std::string id,
                                                                 std::string_view scene_text,
                                                                 const SceneSource& source);
   /// Starts a session that begins as `parent` was after an existing record: with its strokes,
   /// undone or not, its participants and its versions. `parent` continues undisturbed. If `id` is
-  /// empty, a unique one is derived from the scene's name.
+  /// empty, a unique one is derived from the scene's name. Fails with kStopped soon after a stop
+  /// was requested.
   std::expected<std::shared_ptr<Session>, RegistryError> branch(std::string id, Session& parent,
-                                                                std::uint64_t record);
+                                                                std::uint64_t record,
+                                                                const std::stop_token& stop = {});
   /// Returns the scene that create() would use now, with its resolved accuracy, or its error.
   std::expected<Scene, RegistryError> check(const std::string& id, std::string_view scene_text,
                                             const SceneSource& source) const;
@@ -280,7 +284,8 @@ class SessionRegistry {
   };
   std::expected<void, std::string> call_opened(Session& session, Opening opening) const;
   std::expected<std::shared_ptr<Session>, JournalError> start(const std::string& id, Opened& opened,
-                                                              Opening opening);
+                                                              Opening opening,
+                                                              const std::stop_token& stop);
   void load(const std::string& id, LoadReport& report);
   void note_loaded(std::shared_ptr<Session> session, const Opened& opened, LoadReport& report);
   void note_unreadable(const JournalError& error, const std::string& id, LoadReport& report);
@@ -292,7 +297,8 @@ class SessionRegistry {
   /// Writes the journal of a new session and opens it. Deletes the journal if either fails.
   std::expected<std::shared_ptr<Session>, RegistryError> start_new(
       const Reservation& reserved,
-      const std::function<std::expected<void, JournalError>(const std::string& id)>& write);
+      const std::function<std::expected<void, JournalError>(const std::string& id)>& write,
+      const std::stop_token& stop);
   std::expected<Scene, RegistryError> check_scene(std::string_view scene_text,
                                                   const SceneSource& source) const;
   std::expected<std::string, RegistryError> free_id(std::string id, const std::string& name) const;

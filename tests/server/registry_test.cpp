@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <barrier>
 #include <expected>
+#include <filesystem>
 #include <fstream>
 #include <set>
+#include <stop_token>
 #include <string>
 #include <thread>
 
@@ -34,6 +36,23 @@ TEST_F(SessionTest, LongSceneNamesAreRejected) {
     EXPECT_FALSE(registry->check(id, named(201), SceneSource{}));
   }
   EXPECT_TRUE(registry->create("block", named(200), SceneSource{}));
+}
+
+TEST_F(SessionTest, StoppedCreationLeavesNothing) {
+  std::stop_source stop;
+  stop.request_stop();
+  SceneSource source;
+  source.stop = stop.get_token();
+  const auto created = registry->create("block", kScene, source);
+  ASSERT_FALSE(created);
+  EXPECT_EQ(created.error().code, RegistryErrorCode::kStopped);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  const auto session = start();
+  const auto branched = registry->branch("copy", *session, session->sequence(), stop.get_token());
+  ASSERT_FALSE(branched);
+  EXPECT_EQ(branched.error().code, RegistryErrorCode::kStopped);
+  EXPECT_FALSE(std::filesystem::exists(registry->journal_path("copy")));
+  EXPECT_TRUE(registry->branch("copy", *session, session->sequence()));
 }
 
 TEST_F(SessionTest, KeptJournalsOfOneNameDoNotOverwriteEachOther) {

@@ -66,12 +66,16 @@ const Json& item_at(const Json& list, std::optional<std::size_t> number) {
 /// Unpacks views in the JSON of a file.
 class MeshoptViews {
  public:
-  MeshoptViews(Json& json, std::span<const std::byte> binary)
-      : json_(json), binary_(binary), unpacked_max_(kUnpackedShareMax * binary.size()) {}
+  MeshoptViews(Json& json, std::span<const std::byte> binary, const std::stop_token& stop)
+      : json_(json),
+        binary_(binary),
+        unpacked_max_(kUnpackedShareMax * binary.size()),
+        stop_(stop) {}
 
   /// Returns the bytes to append to the binary chunk. The JSON refers to them.
   std::string unpack() {
     for (const std::size_t view : views_needed()) {
+      if (stop_.stop_requested()) reject_mesh(MeshFileErrorCode::kStopped, "stopped");
       const Json extension =
           at(at(item_at(at(json_, "bufferViews"), view), "extensions"), kMeshopt);
       if (extension.is_object()) unpack(view, extension);
@@ -159,6 +163,7 @@ class MeshoptViews {
   Json& json_;
   std::span<const std::byte> binary_;
   std::size_t unpacked_max_;
+  const std::stop_token& stop_;
   std::string unpacked_;
 };
 
@@ -229,7 +234,7 @@ std::string gltf_geometry(std::span<const std::byte> bytes, const std::stop_toke
   Json json =
       geometry_json({reinterpret_cast<const char*>(bytes.data()) + json_at, json_size}, stop);
   const auto binary = binary_chunk(bytes.subspan(json_at + json_size));
-  const std::string unpacked = MeshoptViews(json, binary).unpack();
+  const std::string unpacked = MeshoptViews(json, binary, stop).unpack();
   std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const std::size_t binary_size = (binary.size() + 3) / 4 * 4 + unpacked.size();

@@ -8,6 +8,7 @@
 #include "server/formats/model/gltf_elements.h"
 #include "server/formats/model/gltf_file.h"
 #include "server/formats/model/mesh_reader.h"
+#include "server/formats/stop_poll.h"
 
 // Reads binary glTF 2.0: the triangles of the nodes of its scene. Lengths are meters and +Y is up
 // (glTF 2.0, 3.4). They become mm with +Z up. Materials, textures, skins and animations are
@@ -95,8 +96,9 @@ class GltfReader {
  public:
   GltfReader(std::span<const std::byte> bytes, std::uint64_t triangles_max,
              const std::stop_token& stop)
-      : triangles_max_(triangles_max), stop_(stop) {
+      : triangles_max_(triangles_max), stop_(stop), poll_(stop) {
     const std::string file = gltf_geometry(bytes, stop);
+    end_if(stop.stop_requested());
     std::string error, warning;
     tinygltf::TinyGLTF loader;
     loader.SetFsCallbacks(no_files());
@@ -106,6 +108,7 @@ class GltfReader {
       std::ranges::replace(error, '\n', ' ');
       reject_mesh(MeshFileErrorCode::kSyntax, "the file is not valid binary glTF: " + error);
     }
+    end_if(stop.stop_requested());
   }
 
   TriangleMesh read() {
@@ -120,11 +123,15 @@ class GltfReader {
   }
 
  private:
+  static void end_if(bool stops) {
+    if (stops) reject_mesh(MeshFileErrorCode::kStopped, "stopped");
+  }
+
   void place(int number, const NodeMatrix& parent, int depth) {
     if (depth > kNodeDepthMax)
       reject_mesh(MeshFileErrorCode::kUnsupported, "nodes are nested more than 64 deep");
     if (++nodes_ > triangles_max_) reject_mesh(MeshFileErrorCode::kTooLarge, "too many nodes");
-    if (stop_.stop_requested()) reject_mesh(MeshFileErrorCode::kStopped, "stopped");
+    end_if(stop_.stop_requested());
     const tinygltf::Node& node = gltf_item(model_.nodes, number, "node");
     const NodeMatrix matrix = parent.after(matrix_of(node));
     if (node.mesh >= 0) {
@@ -147,6 +154,7 @@ class GltfReader {
     if (mesh_.vertices_mm.size() + count_ > 3 * triangles_max_)
       reject_mesh(MeshFileErrorCode::kTooLarge, "the file has too many vertices");
     for (std::size_t n = 0; n < count_; ++n) {
+      end_if(poll_.stops());
       mesh_.vertices_mm.push_back(matrix.apply(positions.position(n)));
       if (!is_finite(mesh_.vertices_mm.back()))
         reject_mesh(MeshFileErrorCode::kNotFinite, "a coordinate is not finite");
@@ -180,6 +188,7 @@ class GltfReader {
   }
 
   void add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    end_if(poll_.stops());
     if (std::max({a, b, c}) >= count_)
       reject_mesh(MeshFileErrorCode::kBadIndex, "vertex " + std::to_string(std::max({a, b, c})) +
                                                     " is out of range: the " + "primitive has " +
@@ -194,6 +203,7 @@ class GltfReader {
 
   std::uint64_t triangles_max_, nodes_ = 0;
   const std::stop_token& stop_;
+  StopPoll poll_;
   tinygltf::Model model_;
   TriangleMesh mesh_;
   std::uint32_t first_ = 0;  ///< vertex of the current primitive

@@ -23,26 +23,33 @@ using Triangle = std::array<std::uint32_t, 3>;
 
 class Repair {
  public:
-  explicit Repair(TriangleMesh& mesh) : mesh_(mesh) {}
+  Repair(TriangleMesh& mesh, const std::stop_token& stop) : mesh_(mesh), stop_(stop) {}
 
   std::expected<MeshRepair, std::string> run() {
     done_.vertices_joined = join_open_vertices(mesh_, kJoinShare);
+    if (stop_.stop_requested()) return stopped();
     drop_triangles();
+    if (stop_.stop_requested()) return stopped();
     MeshShells shells(mesh_);
     if (const auto at = shells.orient(); at)
       return std::unexpected("the mesh has a surface with one side only, near (" +
                              std::to_string(at->x) + ", " + std::to_string(at->y) + ", " +
                              std::to_string(at->z) + ")");
     done_.triangles_turned = shells.turned_triangles();
+    if (stop_.stop_requested()) return stopped();
     close_holes(shells);
-    if (!turn_shells(shells))
+    if (!turn_shells(shells)) {
+      if (stop_.stop_requested()) return stopped();
       return std::unexpected("the mesh has too many shells that may lie in one another");
+    }
     if (std::ranges::all_of(shells.all(), [](const MeshShell& s) { return s.volume_mm3 == 0; }))
       return std::unexpected("the mesh encloses no volume, with its holes closed too");
     return done_;
   }
 
  private:
+  static std::unexpected<std::string> stopped() { return std::unexpected(std::string("stopped")); }
+
   /// A triangle with its smallest corner first, and whether its corners ascend from there.
   static std::pair<Triangle, bool> sides_of(Triangle t) {
     std::ranges::rotate(t, std::ranges::min_element(t));
@@ -98,7 +105,7 @@ class Repair {
     for (std::size_t n = 0; n < loop.size(); ++n) add(loop[n], loop[(n + 1) % loop.size()], middle);
   }
 
-  /// Returns false if finding the cavities would take too long.
+  /// Returns false if finding the cavities would take too long, and if a stop is requested.
   bool turn_shells(MeshShells& shells) {
     std::vector<MeshShell*> inside_out;
     for (MeshShell& shell : shells.all()) {
@@ -108,7 +115,7 @@ class Repair {
         continue;
       }
       const auto inside = shells.is_inside_another(shell);
-      if (!inside) return false;
+      if (!inside || stop_.stop_requested()) return false;
       if (!*inside) inside_out.push_back(&shell);
     }
     for (MeshShell* shell : inside_out) turn(*shell);
@@ -122,6 +129,7 @@ class Repair {
   }
 
   TriangleMesh& mesh_;
+  const std::stop_token& stop_;
   MeshRepair done_;
 };
 
@@ -151,10 +159,11 @@ std::string to_string(const MeshRepair& repair) {
   return text;
 }
 
-std::expected<MeshRepair, std::string> repair_mesh(TriangleMesh& mesh) {
+std::expected<MeshRepair, std::string> repair_mesh(TriangleMesh& mesh,
+                                                   const std::stop_token& stop) {
   if (mesh_stock_fault(mesh).empty()) return MeshRepair{};
   TriangleMesh repaired = mesh;
-  auto done = Repair(repaired).run();
+  auto done = Repair(repaired, stop).run();
   if (!done) return done;
   if (const std::string fault = mesh_stock_fault(repaired); !fault.empty())
     return std::unexpected("after its repair " + fault);

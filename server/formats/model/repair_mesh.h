@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <expected>
+#include <stop_token>
 #include <string>
 
 #include "kernel/dexel/triangle_mesh.h"
@@ -35,7 +36,9 @@ std::string to_string(const MeshRepair& repair);
 ///   5. A shell is turned if its volume is negative, unless it is a cavity: it is inside another
 ///      shell, and step 3 changed nothing in it.
 /// Equal meshes give equal bytes. Errors, as one clause: a shell with one side only (a Moebius
-/// strip), no enclosed volume, more shells in one another than a bounded time allows to compare.
-std::expected<MeshRepair, std::string> repair_mesh(TriangleMesh& mesh);
+/// strip), no enclosed volume, more shells in one another than a bounded time allows to compare, a
+/// requested stop, which is polled before each step.
+std::expected<MeshRepair, std::string> repair_mesh(TriangleMesh& mesh,
+                                                   const std::stop_token& stop = {});
 
 }  // namespace kerf
