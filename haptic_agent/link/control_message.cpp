@@ -157,6 +157,7 @@ ControlMessage read_message(const json& message) {
     if (!message.contains("code")) return StrokeChanged{undone, message.at("stroke")};
     return ChangeRefused{undone, message.at("code"), message.value("reason", "")};
   }
+  if (type == wire::kTypeServers) return ServersChanged{read_others(message)};
   return OtherMessage{};
 }
 

@@ -95,11 +95,16 @@ struct ChangeRefused {
   std::string reason;
 };
 
+/// The list in Welcome::others has changed.
+struct ServersChanged {
+  std::vector<std::string> others;
+};
+
 /// A message that an agent ignores.
 struct OtherMessage {};
 
-using ControlMessage =
-    std::variant<Welcome, ServerError, Bye, StrokeChanged, ChangeRefused, OtherMessage>;
+using ControlMessage = std::variant<Welcome, ServerError, Bye, StrokeChanged, ChangeRefused,
+                                    ServersChanged, OtherMessage>;
 
 std::string hello_text(const Hello& hello);
 std::string tool_text(std::uint32_t tool_id);

@@ -12,7 +12,7 @@ namespace kerf::agent {
 /// The servers that may continue a session, and the next one to try.
 class ServerChoice {
  public:
-  /// Call when the server `at` has accepted the agent and names other servers.
+  /// Call when the server `at`, which has accepted the agent, names other servers.
   void welcomed(const ServerUrl& at, const std::vector<std::string>& others) {
     servers_ = {at};
     at_ = 0;

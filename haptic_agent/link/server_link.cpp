@@ -300,6 +300,9 @@ class ServerLink::Impl {
                                            ? traffic_.take_text(socket.text(), text)
                                            : traffic_.take_frame(socket.message(), monotonic_us());
       if (!text.empty()) notice(text);
+      if (const auto others = traffic_.take_servers()) {
+        servers_.welcomed(settings_.server, *others);
+      }
       if (loss) connection->loss = loss;
     }
     connection->reading = false;

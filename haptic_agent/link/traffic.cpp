@@ -190,6 +190,10 @@ std::optional<Loss> Traffic::take_text(std::string_view text, std::string& notic
   if (const auto* bye = std::get_if<Bye>(&*message)) {
     return Loss{"the server closed the connection: " + bye->reason, false, bye->redirect};
   }
+  if (const auto* servers = std::get_if<ServersChanged>(&*message)) {
+    servers_ = servers->others;
+    return std::nullopt;
+  }
   if (const auto* changed = std::get_if<StrokeChanged>(&*message)) {
     notice =
         "stroke " + std::to_string(changed->stroke) + (changed->undone ? " undone" : " redone");

@@ -8,6 +8,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "haptic_agent/link/link_report.h"
 #include "haptic_agent/link/pace.h"
@@ -89,6 +91,10 @@ class Traffic {
   std::optional<Loss> take_text(std::string_view text, std::string& notice);
   std::optional<Loss> take_frame(std::span<const std::byte> frame, std::uint64_t now_us);
   std::optional<Loss> take_datagram(std::span<const std::byte> frame, std::uint64_t now_us);
+  /// Returns the other servers that may continue the session if the server has sent a new list.
+  std::optional<std::vector<std::string>> take_servers() {
+    return std::exchange(servers_, std::nullopt);
+  }
   /// Returns a line for the user about UDP. Empty if there is none.
   std::string take_notice();
   /// Counters maintained by the UDP socket.
@@ -160,6 +166,7 @@ class Traffic {
   std::uint64_t next_reach_us_ = 0;  ///< earliest time of the next reach message on this connection
   /// Sequence of the stock frame to acknowledge.
   std::optional<std::uint64_t> ack_due_;
+  std::optional<std::vector<std::string>> servers_;  ///< other ones, not taken yet
 };
 
 }  // namespace kerf::agent

@@ -77,6 +77,8 @@ void AgentConversation::on_hello(const HelloMessage& hello) {
   std::optional<datagram::Offer> offer;
   if (hello.udp && open_udp_) offer = open_udp_();
   has_udp_ = offer.has_value();
+  servers_ = session().other_servers();
+  next_servers_ = now_() + kServersInterval;
   say(agent_welcome(session(), *admission, limits_, offer ? &*offer : nullptr, hello.reach));
   out_.put_participants(carvers_message(session().carvers()));
 }
@@ -191,7 +193,10 @@ void AgentConversation::send_intents(Clock::time_point now) {
 }
 
 void AgentConversation::refresh() {
-  if (self_ && !batch_ && !finishing() && !broken()) send_intents(now_());
+  if (self_ && !batch_ && !finishing() && !broken()) {
+    send_intents(now_());
+    send_servers(now_());
+  }
   // A copy of the whole block changes even while its tool rests, so its pings request updates.
   const bool is_due = stock_due_ || has_whole_;
   if (!self_ || batch_ || !is_due || finishing() || broken() || out_.has_stock()) return;
@@ -201,6 +206,18 @@ void AgentConversation::refresh() {
   const auto update = session().stock_update(self_->id);
   stock_due_ = update.has_value();  // one frame may not hold all of it
   if (update) out_.put_stock(stamp(update->sequence), update->patch());
+}
+
+/// Sends the list of other servers if it has changed: at the start of a cluster, servers do not
+/// know each other yet. An empty list is not sent, because this server may be the one that is cut
+/// off.
+void AgentConversation::send_servers(Clock::time_point now) {
+  if (now < next_servers_) return;
+  next_servers_ = now + kServersInterval;
+  std::vector<std::string> others = session().other_servers();
+  if (others.empty() || others == servers_) return;
+  servers_ = std::move(others);
+  say(servers_message(servers_));
 }
 
 void AgentConversation::receive_datagram(std::span<const std::byte> frame,

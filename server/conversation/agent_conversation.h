@@ -31,6 +31,9 @@ class AgentConversation final : public Conversation {
   /// Minimum interval between intent frames.
   static constexpr std::chrono::milliseconds kIntentInterval{10};
 
+  /// Interval at which the list of other servers is compared with the one that the agent has.
+  static constexpr std::chrono::seconds kServersInterval{1};
+
   /// Limits changes of the tool and, separately, of the reach, because every participant is
   /// notified: rate per second and burst.
   static constexpr double kChangesPerS = 10;
@@ -88,6 +91,7 @@ class AgentConversation final : public Conversation {
 
   void change_stroke(bool undone);
   void send_intents(Clock::time_point now);
+  void send_servers(Clock::time_point now);
   void on_event(const SessionEvent& event);
   /// The durable sequence for results and pongs, or 0 unless the agent has requested it.
   std::uint64_t durable_sequence() const;
@@ -121,6 +125,8 @@ class AgentConversation final : public Conversation {
   bool intents_due_ = false;  ///< samples have been applied since the last ones
   bool has_near_ = false;     ///< the last intent frame listed a tool
   Clock::time_point next_intents_;
+  std::vector<std::string> servers_;  ///< other ones, as the agent knows them
+  Clock::time_point next_servers_;
 
   std::optional<InProgress> batch_;
 

@@ -121,6 +121,10 @@ std::string carvers_message(const std::vector<Participant>& carvers) {
   return text({{"type", wire::kTypeParticipants}, {"participants", participants_json(carvers)}});
 }
 
+std::string servers_message(const std::vector<std::string>& others) {
+  return text({{"type", wire::kTypeServers}, {"others", others}});
+}
+
 std::string change_message(const RosterChange& change) {
   Json json = {{"type", wire::kTypeParticipantsChanged}, {"viewers", change.viewers}};
   if (!change.changed.empty()) json["changed"] = participants_json(change.changed);

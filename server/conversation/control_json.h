@@ -104,6 +104,8 @@ std::string viewer_welcome(const Session& session, const Participant& self, cons
 /// The complete list, for viewers.
 std::string participants_message(const Roster& roster);
 /// The agents and programs, for agents.
+/// The other servers that may continue the session.
+std::string servers_message(const std::vector<std::string>& others);
 std::string carvers_message(const std::vector<Participant>& carvers);
 std::string change_message(const RosterChange& change);
 std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,

@@ -32,6 +32,7 @@ inline constexpr std::string_view kTypePrograms = "programs";
 inline constexpr std::string_view kTypeCameras = "cameras";
 inline constexpr std::string_view kTypeError = "error";
 inline constexpr std::string_view kTypeBye = "bye";
+inline constexpr std::string_view kTypeServers = "servers";
 
 inline constexpr std::string_view kKindAgent = "agent";
 inline constexpr std::string_view kKindProgram = "program";

@@ -161,6 +161,53 @@ TEST_F(AgentConversationTest, MotionOfARemovedAgentIsCompleted) {
   EXPECT_FALSE(session->is_between_records());
 }
 
+/// A cluster of which this server knows the servers in `others`.
+class Places final : public SessionPlaces {
+ public:
+  std::vector<std::string> others;
+
+  std::expected<void, std::string> claim(const std::string&, bool) override { return {}; }
+  bool is_taken(const std::string&) const override { return false; }
+  std::shared_ptr<const WriteFence> fence(const std::string&) const override { return nullptr; }
+  std::uint32_t epoch(const std::string&) const override { return 1; }
+  std::expected<void, std::string> close(const std::string&) override { return {}; }
+  void give_up(const std::string&) override {}
+  const std::string& node() const override { return node_; }
+  std::vector<PlacedSession> elsewhere() const override { return {}; }
+  std::optional<std::string> address_of(const std::string&) const override { return {}; }
+  bool is_moving(const std::string&) const override { return false; }
+  std::vector<std::string> other_servers() const override { return others; }
+  std::optional<std::string> place_for_new() override { return {}; }
+  bool wants_to_follow(const std::string&) override { return false; }
+
+ private:
+  std::string node_ = "a";
+};
+
+/// At the start of a cluster its servers do not know each other yet.
+TEST_F(AgentConversationTest, LearnsOfServersThatAppearAfterItsWelcome) {
+  Places places;
+  session->place_in(&places, false);
+  const auto ada = agent();
+  join_agent(*ada);
+  const auto heard_after = [&](std::vector<std::string> others) {
+    places.others = std::move(others);
+    now += AgentConversation::kServersInterval;
+    send(*ada, encoded(wire::Ping{}));
+    std::vector<std::vector<std::string>> lists;
+    for (const auto& message : messages(*ada)) {
+      if (message.at("type") == "servers") lists.push_back(message.at("others"));
+    }
+    return lists;
+  };
+  using Lists = std::vector<std::vector<std::string>>;
+  EXPECT_EQ(heard_after({}), Lists{});
+  EXPECT_EQ(heard_after({"http://b:1"}), (Lists{{"http://b:1"}}));
+  EXPECT_EQ(heard_after({"http://b:1"}), Lists{}) << "it knows them";
+  EXPECT_EQ(heard_after({}), Lists{}) << "this server may be cut off";
+  EXPECT_EQ(heard_after({"http://b:1", "http://c:1"}), (Lists{{"http://b:1", "http://c:1"}}));
+}
+
 TEST_F(AgentConversationTest, ParticipantsAreReportedToEachOther) {
   const auto ada = agent(), bob = agent();
   join_agent(*ada);

@@ -89,7 +89,6 @@ class SessionWithoutMemory : public SessionUndo {
   ParticipantId ada_ = 0;
   StrokeId crossing_ = 0;
   bool is_undone_ = false;
-  std::uint64_t allocations_ = 0;  ///< of the last request
 };
 
 }  // namespace kerf

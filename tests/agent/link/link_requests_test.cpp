@@ -1,5 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Requests to undo, and the connection on which they are made.
+// Control messages, and the connection on which they are sent.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
 #include "haptic_agent/link/server_link.h"
 #include "tests/agent/link/fake_server.h"
 #include "tests/support/eventually.h"
@@ -56,6 +65,34 @@ TEST(LinkRequests, RequestIsDroppedWithTheConnection) {
   link.stop(5.0);
   ASSERT_TRUE(eventually(served));
   EXPECT_EQ(requests, std::vector<std::string>());
+}
+
+TEST(LinkServers, LostServerIsReplacedByOneThatAppearedAfterTheWelcome) {
+  std::atomic<bool> is_there{false};
+  FakeServer second([&](FakePeer& peer, int) {
+    peer.read_text();
+    peer.send_text(welcome_text());
+    is_there = true;
+    peer.read_motion();
+  });
+  const std::string address = "http://127.0.0.1:" + std::to_string(second.port());
+  FakeServer first([&](FakePeer& peer, int connection) {
+    peer.read_text();
+    if (connection > 0) return;  // it admits nobody any more
+    peer.send_text(welcome_text());
+    peer.send_text(nlohmann::json{{"type", "servers"}, {"others", {address}}}.dump());
+  });
+  SampleRing samples;
+  LatestValue<ServerWrench> wrenches;
+  ServerLink link({.server = {.host = "127.0.0.1", .port = std::to_string(first.port())},
+                   .session = "demo",
+                   .hello = {.name = "Ada", .color = "#112233", .tool_id = 2},
+                   .patience_s = 5.0,
+                   .failed = {}},
+                  samples, wrenches);
+  link.start();
+  EXPECT_TRUE(eventually(is_there));
+  link.stop(5.0);
 }
 
 }  // namespace

@@ -307,6 +307,9 @@ export class CarveLink {
       case 'bye':
         this.bye_ = message;
         return;
+      case 'servers':
+        this.servers_.welcomed(message.others);
+        return;
       case 'error': {
         this.failed_(message.code, message.reason, message.fatal);
         return;

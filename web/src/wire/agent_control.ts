@@ -60,7 +60,13 @@ export type AgentMessage =
   | StrokeAnswer
   | { type: 'error'; code: string; reason: string; fatal: boolean }
   /** `redirect`: the address of the server that has the session; empty: none is named. */
-  | { type: 'bye'; reason: string; redirect: string };
+  | { type: 'bye'; reason: string; redirect: string }
+  /** The list in `AgentWelcome.others` has changed. */
+  | { type: 'servers'; others: string[] };
+
+function othersOf(from: Json): string[] {
+  return Array.isArray(from['others']) ? from['others'].map(String) : [];
+}
 
 function welcomeOf(from: Json): AgentWelcome {
   const limits = object(from['limits'], 'limits');
@@ -78,7 +84,7 @@ function welcomeOf(from: Json): AgentWelcome {
       resumed: flag(resume, 'resumed'),
       agentSequence: BigInt(Math.trunc(number(resume, 'agent_sequence'))),
     },
-    others: Array.isArray(from['others']) ? from['others'].map(String) : [],
+    others: othersOf(from),
   };
 }
 
@@ -107,6 +113,8 @@ function messageOf(from: Json): AgentMessage | null {
         reason: text(from, 'reason'),
         redirect: from['redirect'] === undefined ? '' : text(from, 'redirect'),
       };
+    case 'servers':
+      return { type: 'servers', others: othersOf(from) };
     default:
       return null;
   }

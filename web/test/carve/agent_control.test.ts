@@ -33,6 +33,10 @@ describe('messages to an agent', () => {
     const others = ['http://10.0.0.2:8080'];
     const read = (message: object): unknown => parseAgentControl(JSON.stringify(message));
     expect(read({ ...WELCOME, others })).toMatchObject({ value: { others } });
+    expect(read({ type: 'servers', others })).toEqual({
+      ok: true,
+      value: { type: 'servers', others },
+    });
     expect(read({ type: 'bye', reason: 'no' })).toMatchObject({ value: { redirect: '' } });
     const bye = { type: 'bye', reason: 'elsewhere', redirect: 'http://10.0.0.2:8080' };
     expect(read(bye)).toEqual({ ok: true, value: bye });
