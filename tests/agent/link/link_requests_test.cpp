@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Control messages, and the connection on which they are sent.
-#include <gtest/gtest.h>
-
-#include <atomic>
-#include <chrono>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <thread>
-#include <vector>
 
 #include "haptic_agent/link/server_link.h"
 #include "tests/agent/link/fake_server.h"
