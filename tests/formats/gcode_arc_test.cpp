@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/arc.h"
-#include "server/formats/gcode/fault.h"
 #include "tests/formats/scene_fixture.h"
 #include "tests/support/test.h"
 
@@ -107,7 +107,7 @@ TEST(GcodeArc, ChordsStayWithinTheTolerance) {
 
 TEST(GcodeArc, ImpossibleArcsAreRejected) {
   const auto fault = [](Vec3 end, const ArcCenter& center) {
-    EXPECT_THROW(make_arc({0, 0, 0}, end, ArcPlane::kXy, center, false, 1), GcodeFault);
+    EXPECT_THROW(make_arc({0, 0, 0}, end, ArcPlane::kXy, center, false, 1), ProgramFault);
   };
   fault({10, 0, 0}, {.ijk = {4, 0, 0}});
   fault({10, 0, 0}, {.ijk = {0, 0, 0}});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/block.h"
 #include "server/formats/gcode/expression.h"
-#include "server/formats/gcode/fault.h"
 #include "tests/support/test.h"
 
 namespace kerf::gcode_expression_test {
@@ -18,11 +18,11 @@ double value_of(const std::string& text, const std::string& before = "") {
   return block_of("x" + text, parameters).find('x')->value;
 }
 
-GcodeFault fault_of(const std::string& line) {
+ProgramFault fault_of(const std::string& line) {
   GcodeParameters parameters;
   try {
     block_of(line, parameters);
-  } catch (const GcodeFault& fault) {
+  } catch (const ProgramFault& fault) {
     return fault;
   }
   ADD_FAILURE() << line << " was accepted";
@@ -113,9 +113,9 @@ TEST(GcodeBlock, LowerCaseAndBlanksAreAccepted) {
 
 TEST(GcodeBlock, CommentsAreRemoved) {
   EXPECT_EQ(split_gcode_line("G1 (MSG, X5 ; not a comment) X1 ; (open").code, "g1x1");
-  EXPECT_THROW(split_gcode_line("G1 (open"), GcodeFault);
-  EXPECT_THROW(split_gcode_line("G1 (a (b) c)"), GcodeFault);
-  EXPECT_THROW(split_gcode_line("G1 )"), GcodeFault);
+  EXPECT_THROW(split_gcode_line("G1 (open"), ProgramFault);
+  EXPECT_THROW(split_gcode_line("G1 (a (b) c)"), ProgramFault);
+  EXPECT_THROW(split_gcode_line("G1 )"), ProgramFault);
 }
 
 TEST(GcodeBlock, ConflictingAndInvalidWordsAreRejected) {

@@ -101,13 +101,14 @@ bool AptMachine::execute(const AptStatement& statement, std::size_t line) {
   if (std::ranges::find(kRefused, major) != kRefused.end() || major.starts_with("TLON"))
     refuse(statement);
   if (major.find('=') != std::string::npos)
-    throw AptFault{major, "defines geometry of a part program; CL data (GOTO/x,y,z) are required"};
+    throw ProgramFault{major,
+                       "defines geometry of a part program; CL data (GOTO/x,y,z) are required"};
   warn_once(major + " is not a known statement and is left out");
   return false;
 }
 
 void AptMachine::refuse(const AptStatement& s) {
-  throw AptFault{
+  throw ProgramFault{
       s.major,
       "is not supported, and moves the tool or the workpiece; post the motions with GOTO, "
       "CIRCLE and CYCLE"};
@@ -133,14 +134,14 @@ void AptMachine::units(const AptStatement& s) {
   } else if (unit == "INCHES" || unit == "INCH" || unit == "IN") {
     unit_mm_ = kMmPerInch;
   } else {
-    throw AptFault{unit, "is not a unit; use MM or INCHES"};
+    throw ProgramFault{unit, "is not a unit; use MM or INCHES"};
   }
 }
 
 // The axis of a GOTO also counts without MULTAX, as written by NX.
 void AptMachine::multax(const AptStatement& s) {
   if (!s.minor.empty() && s.minor[0] != "ON" && s.minor[0] != "OFF")
-    throw AptFault{s.minor[0], "must be ON or OFF"};
+    throw ProgramFault{s.minor[0], "must be ON or OFF"};
 }
 
 // TOOL PATH/NAME,TOOL,TOOLNAME of NX: loads the tool of the name's rank, unless other statements
@@ -162,8 +163,8 @@ void AptMachine::tool_path(const AptStatement& s) {
 void AptMachine::load_tool(const AptStatement& s) {
   const std::size_t at = s.major == "LOAD" ? 1 : 0;
   if (s.major == "LOAD" && (s.minor.empty() || s.minor[0] != "TOOL"))
-    throw AptFault{s.major, "must be LOAD/TOOL,n"};
-  if (s.minor.size() <= at) throw AptFault{s.major, "requires the number of a tool"};
+    throw ProgramFault{s.major, "must be LOAD/TOOL,n"};
+  if (s.minor.size() <= at) throw ProgramFault{s.major, "requires the number of a tool"};
   change_tool(s.minor[at]);
 }
 
@@ -171,7 +172,7 @@ void AptMachine::change_tool(const std::string& number) {
   const double id = apt_number_of(number);
   if (id < 1 || id > 4294967295.0 || id != std::floor(id) ||
       !scene_.tools.contains(static_cast<ToolId>(id)))
-    throw AptFault{number, "is not the id of a tool of the scene"};
+    throw ProgramFault{number, "is not the id of a tool of the scene"};
   const auto tool = static_cast<ToolId>(id);
   if (sink_.tool() == tool) return;
   sink_.change_tool(tool, line_);
@@ -184,11 +185,11 @@ void AptMachine::unload(const AptStatement& s) {
 }
 
 void AptMachine::cutter(const AptStatement& s) {
-  if (s.minor.empty()) throw AptFault{s.major, "requires the numbers of a cutter"};
+  if (s.minor.empty()) throw ProgramFault{s.major, "requires the numbers of a cutter"};
   const auto cutter = apt_cutter(s, unit_mm_);
   if (!cutter) return;
   if (!(cutter->diameter_mm > 0))
-    throw AptFault{s.major, "the diameter of a cutter must be above 0"};
+    throw ProgramFault{s.major, "the diameter of a cutter must be above 0"};
   cutter_mm_ = cutter->diameter_mm;
 }
 
@@ -225,13 +226,13 @@ void AptMachine::feed_rate(const AptStatement& s) {
   for (const std::string& word : s.minor) {
     if (take_feed_unit(word, feed, unit)) continue;
     if (const auto number = apt_number(word)) {
-      if (value) throw AptFault{word, "is a second feed; FEDRAT takes one number"};
+      if (value) throw ProgramFault{word, "is a second feed; FEDRAT takes one number"};
       value = number;
     } else {
       warn_once("FEDRAT/" + word + " is not known and is left out");
     }
   }
-  if (!value || *value <= 0) throw AptFault{"FEDRAT", "must give a feed above 0"};
+  if (!value || *value <= 0) throw ProgramFault{"FEDRAT", "must give a feed above 0"};
   feed.written = *value;
   feed.mm = *value * unit;
   feed_ = feed;
@@ -252,7 +253,7 @@ void AptMachine::spindle(const AptStatement& s) {
     if (word == "RANGE" || word == "MAXRPM" || word == "RADIUS") {
       ++i;  // its number is not a speed
     } else if (const auto number = apt_number(word)) {
-      if (*number < 0) throw AptFault{word, "the spindle speed must not be negative"};
+      if (*number < 0) throw ProgramFault{word, "the spindle speed must not be negative"};
       spindle_rpm_ = *number;
     } else if (word != "ON" && word != "OFF" && word != "CLW" && word != "CCLW" && word != "RPM" &&
                word != "NEUTRL" && word != "LOCK") {
@@ -274,9 +275,9 @@ void AptMachine::coolant(const AptStatement& s) {
 }
 
 void AptMachine::delay(const AptStatement& s) {
-  if (s.minor.empty()) throw AptFault{s.major, "requires the seconds"};
+  if (s.minor.empty()) throw ProgramFault{s.major, "requires the seconds"};
   const double seconds = apt_number_of(s.minor[0]);
-  if (seconds < 0) throw AptFault{s.minor[0], "the delay must not be negative"};
+  if (seconds < 0) throw ProgramFault{s.minor[0], "the delay must not be negative"};
   if (sink_.placed()) require_tool();
   check(sink_.dwell(seconds, line_));
 }
@@ -286,7 +287,7 @@ void AptMachine::translation(const AptStatement& s) {
   in_world_ = !s.minor.empty() && s.minor[0] == "WORLD";
   for (std::size_t i = 1; i < s.minor.size(); ++i)
     if (apt_number_of(s.minor[i]) != 0)
-      throw AptFault{s.major, "moves the coordinates, which is not supported"};
+      throw ProgramFault{s.major, "moves the coordinates, which is not supported"};
 }
 
 // Coordinates are in the first system. Another one would be another setup.
@@ -297,9 +298,10 @@ void AptMachine::system(const AptStatement& s) {
     text += "," + decimal_text(apt_number(word).value_or(0), 9);
   if (!system_) system_ = text;
   if (*system_ != text)
-    throw AptFault{s.major,
-                   "is another coordinate system than the first one, which is another setup and is "
-                   "not supported; post each setup as a program of its own"};
+    throw ProgramFault{
+        s.major,
+        "is another coordinate system than the first one, which is another setup and is "
+        "not supported; post each setup as a program of its own"};
 }
 
 void AptMachine::cutter_offset(const AptStatement& s) {

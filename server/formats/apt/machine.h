@@ -14,7 +14,7 @@
 
 namespace kerf {
 
-/// Executes the statements of APT CL data. Throws AptFault.
+/// Executes the statements of APT CL data. Throws ProgramFault.
 class AptMachine {
  public:
   using Warn = std::function<void(const std::string&)>;

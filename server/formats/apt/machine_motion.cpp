@@ -60,7 +60,7 @@ std::vector<double> numbers_of(const std::string& text, std::string_view opening
 }  // namespace
 
 void AptMachine::check(const MotionSink::Result& result) {
-  if (!result) throw AptFault{"", result.error()};
+  if (!result) throw ProgramFault{"", result.error()};
 }
 
 Vec3 AptMachine::read_axis(const AptStatement& s, std::size_t first) const {
@@ -68,22 +68,22 @@ Vec3 AptMachine::read_axis(const AptStatement& s, std::size_t first) const {
                   apt_number_of(s.minor[first + 2])};
   const double size = length(axis);
   if (!(size > kAxisLengthMin) || !std::isfinite(size))
-    throw AptFault{s.major, "the axis i,j,k must be a finite vector other than 0,0,0"};
+    throw ProgramFault{s.major, "the axis i,j,k must be a finite vector other than 0,0,0"};
   return axis;
 }
 
 void AptMachine::check_tilt(Vec3 axis) const {
   const bool tilted = axis.x != 0 || axis.y != 0 || axis.z < 0;
   if (tilted && scene_.machine.kinematics == MachineKinematics::kXyz)
-    throw AptFault{"", "tilts the tool, which the scene's machine xyz cannot do"};
+    throw ProgramFault{"", "tilts the tool, which the scene's machine xyz cannot do"};
 }
 
 // GOTO/x,y,z or x,y,z,i,j,k. Three more are the normal of the surface.
 ToolPose AptMachine::read_pose(const AptStatement& s) const {
   const std::size_t count = s.minor.size();
   if (count != 3 && count != 6 && count != 9)
-    throw AptFault{s.major, "has " + std::to_string(count) +
-                                " values; it takes x,y,z or x,y,z,i,j,k, and then a normal"};
+    throw ProgramFault{s.major, "has " + std::to_string(count) +
+                                    " values; it takes x,y,z or x,y,z,i,j,k, and then a normal"};
   ToolPose pose{{apt_number_of(s.minor[0]) * unit_mm_, apt_number_of(s.minor[1]) * unit_mm_,
                  apt_number_of(s.minor[2]) * unit_mm_},
                 axis_};
@@ -95,7 +95,7 @@ ToolPose AptMachine::read_pose(const AptStatement& s) const {
 }
 
 void AptMachine::tool_axis(const AptStatement& s) {
-  if (s.minor.size() < 3) throw AptFault{s.major, "requires i,j,k"};
+  if (s.minor.size() < 3) throw ProgramFault{s.major, "requires i,j,k"};
   const Vec3 axis = read_axis(s, 0);
   check_tilt(axis);
   axis_ = axis;
@@ -115,7 +115,7 @@ void AptMachine::go_to(const AptStatement& s) {
     circle_.reset();
     if (s.creo) last_circle_ = circle;
     require_tool();
-    if (!sink_.placed()) throw AptFault{"CIRCLE", "requires a position before it"};
+    if (!sink_.placed()) throw ProgramFault{"CIRCLE", "requires a position before it"};
     return arc(circle, pose);
   }
   // Creo writes further points of a circle after the first one.
@@ -131,7 +131,7 @@ void AptMachine::go_to(const AptStatement& s) {
 }
 
 void AptMachine::go_delta(const AptStatement& s) {
-  if (!sink_.placed()) throw AptFault{s.major, "requires FROM or GOTO before it"};
+  if (!sink_.placed()) throw ProgramFault{s.major, "requires FROM or GOTO before it"};
   ToolPose pose = *sink_.last();
   if (s.minor.size() == 1) {
     pose.tip_mm = pose.tip_mm + normalized(pose.axis) * (apt_number_of(s.minor[0]) * unit_mm_);
@@ -140,8 +140,8 @@ void AptMachine::go_delta(const AptStatement& s) {
                                      apt_number_of(s.minor[2])} *
                                     unit_mm_;
   } else {
-    throw AptFault{s.major, "has " + std::to_string(s.minor.size()) +
-                                " values; it takes 3, or 1 along the axis"};
+    throw ProgramFault{s.major, "has " + std::to_string(s.minor.size()) +
+                                    " values; it takes 3, or 1 along the axis"};
   }
   move(pose);
 }
@@ -154,10 +154,10 @@ void AptMachine::go_home(const AptStatement&) {
 // CIRCLE/x,y,z,i,j,k,…: center and axis, about which the next GOTO is reached counterclockwise.
 void AptMachine::circle(const AptStatement& s) {
   if (s.minor.size() < 6)
-    throw AptFault{s.major, "has " + std::to_string(s.minor.size()) +
-                                " values; it takes the center x,y,z and the axis i,j,k"};
+    throw ProgramFault{s.major, "has " + std::to_string(s.minor.size()) +
+                                    " values; it takes the center x,y,z and the axis i,j,k"};
   if (std::ranges::find(s.minor, "TIMES") != s.minor.end())
-    throw AptFault{"TIMES", "winds the arc more than once, which is not supported"};
+    throw ProgramFault{"TIMES", "winds the arc more than once, which is not supported"};
   circle_ =
       Circle{Vec3{apt_number_of(s.minor[0]), apt_number_of(s.minor[1]), apt_number_of(s.minor[2])} *
                  unit_mm_,
@@ -166,7 +166,7 @@ void AptMachine::circle(const AptStatement& s) {
 }
 
 void AptMachine::direction(const AptStatement& s) {
-  if (s.minor.size() != 3) throw AptFault{s.major, "requires i,j,k"};
+  if (s.minor.size() != 3) throw ProgramFault{s.major, "requires i,j,k"};
   direction_ = read_axis(s, 0);
 }
 
@@ -178,16 +178,16 @@ void AptMachine::circle_to_line(const AptStatement& s) {
   const auto ring = numbers_of(text, "(CIRCLE/"), line = numbers_of(text, "(LINE/");
   if (ring.size() != 4 || line.size() != 6) refuse(s);
   if (!direction_ || !sink_.placed())
-    throw AptFault{s.major, "requires INDIRV and a position before it"};
+    throw ProgramFault{s.major, "requires INDIRV and a position before it"};
   const Vec3 center = Vec3{ring[0], ring[1], ring[2]} * unit_mm_;
   const Vec3 to = Vec3{line[3], line[4], line[5]} * unit_mm_;
   const Vec3 start = sink_.last()->tip_mm - center;
   const double turn = start.x * direction_->y - start.y * direction_->x;
   const double radius = ring[3] * unit_mm_;
   if (std::abs(turn) < kRadiusShare * std::hypot(start.x, start.y) * length(*direction_))
-    throw AptFault{"INDIRV", "points to or from the center of the circle"};
+    throw ProgramFault{"INDIRV", "points to or from the center of the circle"};
   if (std::abs(std::hypot(to.x - center.x, to.y - center.y) - radius) > kRadiusMm)
-    throw AptFault{"LINE", "does not end on the circle"};
+    throw ProgramFault{"LINE", "does not end on the circle"};
   require_tool();
   const Vec3 up{0, 0, 1};
   arc(Circle{center, turn > 0 ? up : -up}, ToolPose{to, axis_});
@@ -196,7 +196,7 @@ void AptMachine::circle_to_line(const AptStatement& s) {
 void AptMachine::require_tool() {
   if (!sink_.tool()) {
     if (scene_.tools.size() != 1)
-      throw AptFault{"", "no tool is loaded and the scene has several; load one with LOADTL"};
+      throw ProgramFault{"", "no tool is loaded and the scene has several; load one with LOADTL"};
     warn_once("no tool is loaded; the scene's only tool is used");
     sink_.set_tool(scene_.tools.begin()->first);
   }
@@ -228,14 +228,14 @@ void AptMachine::arc(Circle circle, ToolPose to) {
   const Plane plane = plane_of(circle.center_mm, circle.axis, from.tip_mm);
   const double r0 = planar_radius(plane, from.tip_mm), r1 = planar_radius(plane, to.tip_mm);
   if (!(r0 > kSamePointMm) || std::abs(r0 - r1) > std::max(kRadiusMm, kRadiusShare * r0))
-    throw AptFault{"CIRCLE", "the radius of the arc is " + decimal_text(r0, 4) +
-                                 " mm at its start and " + decimal_text(r1, 4) + " at its end"};
+    throw ProgramFault{"CIRCLE", "the radius of the arc is " + decimal_text(r0, 4) +
+                                     " mm at its start and " + decimal_text(r1, 4) + " at its end"};
   const Vec3 start = plane.local(from.tip_mm);
   Vec3 end = plane.local(to.tip_mm);
   if (std::hypot(end.x - start.x, end.y - start.y) < kSamePointMm) end.x = start.x, end.y = start.y;
   const Arc path = arc_about(start, end, ArcPlane::kXy, PlanePoint{}, 1);
   const int chords = path.chords(scene_.settings.tolerance_mm);
-  if (chords > kPiecesMax) throw AptFault{"CIRCLE", "has too many chords"};
+  if (chords > kPiecesMax) throw ProgramFault{"CIRCLE", "has too many chords"};
   const auto at = [path, plane, from, to](double s) {
     if (s >= 1) return to;
     return ToolPose{plane.world(path.at(s)),
@@ -259,7 +259,7 @@ void AptMachine::cycle(const AptStatement& s) {
     Feed feed = cycle.feed;
     const bool is_feed = take_feed_unit(word, feed, unit);
     if (apt_number(word))
-      throw AptFault{word, "has no word before it that says what it is, as FEDTO, RAPTO, MMPM"};
+      throw ProgramFault{word, "has no word before it that says what it is, as FEDTO, RAPTO, MMPM"};
     const auto value = i + 1 < s.minor.size() ? apt_number(s.minor[i + 1]) : std::nullopt;
     const bool automatic = i + 1 < s.minor.size() && s.minor[i + 1] == "AUTO";
     if (value || automatic) ++i;
@@ -282,7 +282,7 @@ void AptMachine::cycle(const AptStatement& s) {
       warn_once("CYCLE/" + word + " is left out");
     }
   }
-  if (!deep) throw AptFault{"CYCLE/" + kind, "requires FEDTO or DEPTH, the depth of the hole"};
+  if (!deep) throw ProgramFault{"CYCLE/" + kind, "requires FEDTO or DEPTH, the depth of the hole"};
   cycle.start_mm = sink_.placed() ? dot(sink_.last()->tip_mm, normalized(axis_)) : 0;
   cycle_ = cycle;
 }
@@ -316,10 +316,10 @@ void AptMachine::hole(const ToolPose& at) {
 
 double AptMachine::feed_mm_per_min(const Feed& feed) const {
   if (feed.mm <= 0)
-    throw AptFault{"", "the feed is 0; give FEDRAT before the first cutting motion"};
+    throw ProgramFault{"", "the feed is 0; give FEDRAT before the first cutting motion"};
   if (feed.unit == FeedUnit::kPerMinute) return feed.mm;
   if (spindle_rpm_ <= 0)
-    throw AptFault{"", "a feed per revolution requires a spindle speed; give SPINDL before it"};
+    throw ProgramFault{"", "a feed per revolution requires a spindle speed; give SPINDL before it"};
   return feed.mm * spindle_rpm_;
 }
 

@@ -37,7 +37,7 @@ class AptReader final : public ProgramReader {
         if (!machine_.execute(*statement, statements_.line())) return true;
         ended_ = true;
       }
-    } catch (const AptFault& fault) {
+    } catch (const ProgramFault& fault) {
       return std::unexpected(fault_behind_waiting(fault));
     }
     if (sink_.waits()) return true;
@@ -54,7 +54,7 @@ class AptReader final : public ProgramReader {
   }
 
   // Pending motions precede the fault, and may be invalid too.
-  ProgramError fault_behind_waiting(const AptFault& fault) {
+  ProgramError fault_behind_waiting(const ProgramFault& fault) {
     while (sink_.waits()) {
       if (const auto followed = sink_.go_on(kPiecesPerStep); !followed)
         return error("", followed.error());

@@ -88,7 +88,7 @@ std::optional<AptStatement> AptStatements::next() {
         text.erase(comment);
       if (!text.ends_with('$')) break;
       text.pop_back();
-      if (!lines_.next()) throw AptFault{"$", "the statement is continued, but the file ends"};
+      if (!lines_.next()) throw ProgramFault{"$", "the statement is continued, but the file ends"};
       std::string more = clean(lines_.line());
       if (more.starts_with("GOTO/")) {
         ahead_ = std::move(more);
@@ -118,7 +118,7 @@ std::optional<double> apt_number(std::string_view word) {
 
 double apt_number_of(const std::string& word) {
   const auto value = apt_number(word);
-  if (!value) throw AptFault{word, word.empty() ? "a number is missing" : "is not a number"};
+  if (!value) throw ProgramFault{word, word.empty() ? "a number is missing" : "is not a number"};
   return *value;
 }
 

@@ -7,14 +7,10 @@
 #include <string_view>
 #include <vector>
 
+#include "server/formats/control/fault.h"
 #include "server/formats/text_lines.h"
 
 namespace kerf {
-
-/// The exception of this folder: the invalid word and the reason. The reader adds file and line.
-struct AptFault {
-  std::string word, reason;
-};
 
 /// A statement of APT CL data: "GOTO / 1, 2, 3" is GOTO with three minor words.
 struct AptStatement {
@@ -31,7 +27,7 @@ class AptStatements {
  public:
   explicit AptStatements(std::string_view text) : lines_(text) {}
 
-  /// Returns the next statement, or nullopt at the end of the text. Throws AptFault.
+  /// Returns the next statement, or nullopt at the end of the text. Throws ProgramFault.
   std::optional<AptStatement> next();
   /// Line on which the last statement began, from 1.
   std::size_t line() const { return line_; }
@@ -47,7 +43,7 @@ class AptStatements {
 
 /// Returns a word as a finite number, or nullopt.
 std::optional<double> apt_number(std::string_view word);
-/// The same, but throws AptFault for a word that is not a number.
+/// The same, but throws ProgramFault for a word that is not a number.
 double apt_number_of(const std::string& word);
 
 /// Whether a text is APT CL data: one of its first lines is a statement of APT such as "GOTO/", and

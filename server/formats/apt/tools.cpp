@@ -59,7 +59,7 @@ class Finder {
     AptStatements statements(program_);
     try {
       while (const auto statement = statements.next()) use(*statement, statements.line());
-    } catch (const AptFault&) {
+    } catch (const ProgramFault&) {
       return;  // read_apt reports it
     }
   }
@@ -143,7 +143,7 @@ double apt_unit_mm(std::string_view program) {
   try {
     while (const auto s = statements.next())
       if (s->major == "UNITS" || s->major == "UNIT") return inches(*s) ? kMmPerInch : 1;
-  } catch (const AptFault&) {
+  } catch (const ProgramFault&) {
     return 1;  // read_apt reports it
   }
   return 1;

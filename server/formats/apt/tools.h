@@ -20,7 +20,7 @@ struct AptCutter {
 
 /// Returns the cutter of CUTTER/d,r,e,f,alpha,beta,h, in which only d is required, or of
 /// TLDATA/MILL,d,r,… and TLDATA/DRILL,… of NX, or nullopt for a kind of tool that these numbers do
-/// not describe. Throws AptFault for a word that is not a number.
+/// not describe. Throws ProgramFault for a word that is not a number.
 std::optional<AptCutter> apt_cutter(const AptStatement& statement, double unit_mm);
 
 /// The tools of a program.

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/number_text.h"
 
 namespace kerf {
@@ -29,11 +29,11 @@ PlanePoint center_of_radius(PlanePoint a, PlanePoint b, double radius, bool cloc
   const double dy = b.second - a.second;
   const double chord = std::hypot(dx, dy);
   if (chord < kClosedMm)
-    throw GcodeFault{"R", "cannot define a full circle; give the center with I, J, K"};
+    throw ProgramFault{"R", "cannot define a full circle; give the center with I, J, K"};
   const double half = chord / 2;
   if (half > std::abs(radius) + kRadiusToleranceMm)
-    throw GcodeFault{"R", "is less than half the distance of " + decimal_text(chord, 6) +
-                              " mm between start and end"};
+    throw ProgramFault{"R", "is less than half the distance of " + decimal_text(chord, 6) +
+                                " mm between start and end"};
   const double height = std::sqrt(std::max(radius * radius - half * half, 0.0));
   const double side = (radius > 0) == clockwise ? -1.0 : 1.0;
   return {a.first + dx / 2 - side * height * dy / chord,
@@ -42,14 +42,14 @@ PlanePoint center_of_radius(PlanePoint a, PlanePoint b, double radius, bool cloc
 
 void check_radii(double start, double end, double tolerance_mm) {
   if (start < kRadiusToleranceMm)
-    throw GcodeFault{"", "the center of the arc is its start; give I, J, K or R"};
+    throw ProgramFault{"", "the center of the arc is its start; give I, J, K or R"};
   if (end < kRadiusToleranceMm)
-    throw GcodeFault{"", "the center of the arc is its end; correct I, J, K or the end"};
+    throw ProgramFault{"", "the center of the arc is its end; correct I, J, K or the end"};
   const double difference = std::abs(start - end);
   if (difference > kRadiusDifferenceMaxFactor * tolerance_mm ||
       (difference > tolerance_mm && difference > kRadiusDifferenceRelative * std::max(start, end)))
-    throw GcodeFault{"", "the radius of the arc is " + decimal_text(start, 6) +
-                             " mm at its start but " + decimal_text(end, 6) + " mm at its end"};
+    throw ProgramFault{"", "the radius of the arc is " + decimal_text(start, 6) +
+                               " mm at its start but " + decimal_text(end, 6) + " mm at its end"};
 }
 
 }  // namespace

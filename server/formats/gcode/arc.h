@@ -40,7 +40,7 @@ struct Arc {
 inline constexpr double kSpiralToleranceMm = 0.028284271247461905;
 inline constexpr double kSpiralToleranceInchMm = 0.07184204896855323;
 
-/// Returns the center of G2 (clockwise) or G3 in its plane. Throws GcodeFault where LinuxCNC
+/// Returns the center of G2 (clockwise) or G3 in its plane. Throws ProgramFault where LinuxCNC
 /// rejects the arc: radii at start and end differ by more than the tolerance, center at an end, R
 /// shorter than half the chord, R with equal ends.
 PlanePoint arc_center(Vec3 start, Vec3 end, ArcPlane plane, const ArcCenter& center, bool clockwise,

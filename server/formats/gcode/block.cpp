@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/expression.h"
-#include "server/formats/gcode/fault.h"
 #include "server/formats/letter_case.h"
 
 namespace kerf {
@@ -26,7 +26,7 @@ class BlockParser {
     if (reader_.peek() == 'n') line_number();
     while (!reader_.done()) item();
     for (const GcodeWord& word : block_.words)
-      if (word.empty && !goes_home()) throw GcodeFault{word.text, "requires a value"};
+      if (word.empty && !goes_home()) throw ProgramFault{word.text, "requires a value"};
     for (const auto& [key, value] : assignments_)
       std::visit([&, v = value](const auto& k) { parameters_.set(k, v); }, key);
     return std::move(block_);
@@ -39,7 +39,7 @@ class BlockParser {
     reader_.skip();
     const char first = reader_.peek();
     if ((first < '0' || first > '9') && first != '.')
-      throw GcodeFault{to_upper(reader_.text_since(start)), "requires a line number"};
+      throw ProgramFault{to_upper(reader_.text_since(start)), "requires a line number"};
     reader_.value();
   }
 
@@ -50,7 +50,7 @@ class BlockParser {
     if (rules_.macros && item_of_macros(letter)) return;
     if (letter == 'g' || letter == 'm') return code(letter);
     if (kValueLetters.find(letter) != std::string_view::npos) return word(letter);
-    throw GcodeFault{std::string(1, letter), invalid_letter_reason(letter)};
+    throw ProgramFault{std::string(1, letter), invalid_letter_reason(letter)};
   }
 
   // Reads the items that controls allow beyond LinuxCNC: line numbers anywhere, block delete within
@@ -71,12 +71,12 @@ class BlockParser {
     if (letter != ',') return false;
     reader_.skip();
     const char kind = reader_.peek();
-    if (kind != 'r' && kind != 'c') throw GcodeFault{",", "must be ,R or ,C: a corner"};
+    if (kind != 'r' && kind != 'c') throw ProgramFault{",", "must be ,R or ,C: a corner"};
     reader_.skip();
     const std::size_t start = reader_.position();
     const double value = reader_.value();
     const char key = kind == 'r' ? kCornerRadius : kCornerChamfer;
-    if (block_.find(key) != nullptr) throw GcodeFault{",", "a block may have one corner"};
+    if (block_.find(key) != nullptr) throw ProgramFault{",", "a block may have one corner"};
     block_.words.push_back(
         {key, value, std::string(",") + to_upper(kind) + to_upper(reader_.text_since(start))});
     return true;
@@ -103,12 +103,12 @@ class BlockParser {
     auto key = reader_.parameter_key();
     const std::string text = reader_.text_since(start);
     if (reader_.peek() != '=')
-      throw GcodeFault{text, "an assignment requires '=' after the parameter"};
+      throw ProgramFault{text, "an assignment requires '=' after the parameter"};
     reader_.skip();
     const int* number = std::get_if<int>(&key);
     if (rules_.macros) return assign_macro(std::move(key), text);
     if (number != nullptr && !is_gcode_parameter_writable(*number))
-      throw GcodeFault{text, "is read-only: it holds a state of the machine"};
+      throw ProgramFault{text, "is read-only: it holds a state of the machine"};
     if (number == nullptr) parameters_.declare(std::get<std::string>(key));
     const double value = reader_.value();
     assignments_.emplace_back(std::move(key), value);
@@ -116,12 +116,13 @@ class BlockParser {
 
   void assign_macro(std::variant<int, std::string> key, const std::string& text) {
     const int* number = std::get_if<int>(&key);
-    if (number == nullptr) throw GcodeFault{text, "is a named variable, which is not supported"};
+    if (number == nullptr) throw ProgramFault{text, "is a named variable, which is not supported"};
     const double value = reader_.expression();
-    if (*number == kAlarm) throw GcodeFault{text, "the program raises an alarm here"};
+    if (*number == kAlarm) throw ProgramFault{text, "the program raises an alarm here"};
     if (*number == kMessage) return;
     if (!is_macro_variable(*number, true))
-      throw GcodeFault{text, "is a system variable of the control, which cannot be assigned here"};
+      throw ProgramFault{text,
+                         "is a system variable of the control, which cannot be assigned here"};
     assignments_.emplace_back(*number, value);
   }
 
@@ -132,7 +133,7 @@ class BlockParser {
     const std::string text = to_upper(reader_.text_since(start));
     const double scaled = letter == 'g' ? value * 10 : value;
     if (value < 0 || !is_gcode_integer(scaled))
-      throw GcodeFault{text, "is not a valid code number"};
+      throw ProgramFault{text, "is not a valid code number"};
     const GcodeCode code{static_cast<int>(std::lround(scaled)), text};
     const GcodeGroup group = gcode_group(letter, code.code, text, rules_);
     const bool keeps_all = group == GcodeGroup::kNoEffect || group == GcodeGroup::kUnknown;
@@ -141,7 +142,7 @@ class BlockParser {
     if (keeps_all) return block_.codes.emplace_back(group, code), void();
     if (group != GcodeGroup::kMotion || !merged_with_g80(code)) {
       if (const GcodeCode* other = block_.code(group))
-        throw GcodeFault{
+        throw ProgramFault{
             text, "conflicts with " + other->text + ": a block may have one code of a modal group"};
       block_.codes.emplace_back(group, code);
     }
@@ -175,8 +176,8 @@ class BlockParser {
     // T01T02M06 of Mazak: the second T prepares the next tool.
     if (rules_.macros && letter == 't' && block_.find('t') != nullptr) return;
     if (block_.find(letter) != nullptr)
-      throw GcodeFault{text, "repeats the letter " + to_upper(std::string(1, letter)) +
-                                 ": a block may have one word of each letter"};
+      throw ProgramFault{text, "repeats the letter " + to_upper(std::string(1, letter)) +
+                                   ": a block may have one word of each letter"};
     block_.words.push_back({letter, value, text, false, empty});
   }
 
@@ -292,21 +293,21 @@ GcodeLine split_gcode_line(std::string_view line, const DialectRules& rules) {
     const char c = line[i];
     if (c == ';') {
       if (result.code.empty() && line.substr(i + 1).starts_with("py,"))
-        throw GcodeFault{";py,", "runs Python, which is not supported"};
+        throw ProgramFault{";py,", "runs Python, which is not supported"};
       break;
     }
     if (c == '(') {
       const std::size_t end = line.find(')', i);
       if (end == std::string_view::npos)
-        throw GcodeFault{std::string(line.substr(i)),
-                         "the comment is not closed with ')' on its line"};
+        throw ProgramFault{std::string(line.substr(i)),
+                           "the comment is not closed with ')' on its line"};
       result.comment = line.substr(i + 1, end - i - 1);
       if (result.comment.find('(') != std::string::npos)
-        throw GcodeFault{"(" + result.comment, "a comment must not contain another comment"};
+        throw ProgramFault{"(" + result.comment, "a comment must not contain another comment"};
       i = end;
       continue;
     }
-    if (c == ')') throw GcodeFault{")", "has no matching '('"};
+    if (c == ')') throw ProgramFault{")", "has no matching '('"};
     if (c == ' ' || c == '\t' || c == '\r') continue;
     result.code += to_lower(c);
   }

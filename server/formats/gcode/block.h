@@ -61,7 +61,7 @@ struct GcodeLine {
   std::string code;     ///< without comments, blanks and line end, in lower case
   std::string comment;  ///< the last comment in parentheses, as written
 };
-/// Splits a line. LinuxCNC: throws GcodeFault for an unclosed, unopened or nested comment and for
+/// Splits a line. LinuxCNC: throws ProgramFault for an unclosed, unopened or nested comment and for
 /// ";py,". Other dialects: comments may be nested, and an unclosed one ends with the line.
 GcodeLine split_gcode_line(std::string_view line, const DialectRules& rules = rules_of(Dialect{}));
 
@@ -69,7 +69,7 @@ GcodeLine split_gcode_line(std::string_view line, const DialectRules& rules = ru
 bool is_percent(std::string_view line);
 
 /// Parses the code of one line. Expressions use the parameters from before the line. Assignments
-/// take effect after it. `position_readable` as for GcodeValueReader. Throws GcodeFault.
+/// take effect after it. `position_readable` as for GcodeValueReader. Throws ProgramFault.
 GcodeBlock parse_gcode_block(std::string_view code, GcodeParameters& parameters,
                              bool position_readable = true,
                              const DialectRules& rules = rules_of(Dialect{}));

@@ -44,7 +44,7 @@ enum class GcodeRapid {
 
 /// The canonical machining functions that the RS-274 interpreter calls, in order of execution. The
 /// terms are those of LinuxCNC and NIST RS274NGC. Implement this interface to receive the motions
-/// of a program from run_gcode. An implementation throws GcodeFault for a call that it cannot
+/// of a program from run_gcode. An implementation throws ProgramFault for a call that it cannot
 /// execute. `named` marks the axes for which the block has a word.
 class GcodeCanon {
  public:

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 
 namespace kerf {
 namespace {
@@ -202,8 +202,8 @@ GcodeGroup gcode_group(char letter, int code, const std::string& text, const Dia
   const bool is_circle = letter == 'g' && (code == 120 || code == 130);
   const bool is_foreign = (is_circle && !is_haas && rules.dialect != Dialect::kMach3) ||
                           (letter == 'g' && code == 1500 && !is_haas);
-  if (known == nullptr || is_foreign) throw GcodeFault{text, "is not a supported code"};
-  if (!known->rejection.empty()) throw GcodeFault{text, std::string(known->rejection)};
+  if (known == nullptr || is_foreign) throw ProgramFault{text, "is not a supported code"};
+  if (!known->rejection.empty()) throw ProgramFault{text, std::string(known->rejection)};
   return known->group;
 }
 

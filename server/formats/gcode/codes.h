@@ -42,7 +42,8 @@ enum class GcodeGroup {
 };
 
 /// Returns the modal group of a G code (`letter` 'g', code times ten: G43.4 is 434) or an M code
-/// ('m'). Throws GcodeFault for an unsupported code. `text` is the word as written, for the error.
+/// ('m'). Throws ProgramFault for an unsupported code. `text` is the word as written, for the
+/// error.
 GcodeGroup gcode_group(char letter, int code, const std::string& text,
                        const DialectRules& rules = rules_of(Dialect{}));
 

@@ -159,7 +159,7 @@ PlanePoint CutterCompensation::enter_straight(bool rapid, PlanePoint at, PlanePo
                                               const CompensatedInfo& info) {
   entering_ = entry_ == CompensationEntry::kAcrossNext;
   if (!entering_ && distance(at, to) <= radius_)
-    throw GcodeFault{
+    throw ProgramFault{
         "", "the entry move of cutter compensation must be longer than the tool's radius, " +
                 decimal_text(radius_, 6) + " mm"};
   const double across = direction(at, to) + quarter();
@@ -241,7 +241,7 @@ void CutterCompensation::round_corner(bool rapid, PlanePoint at, PlanePoint to,
 
 PlanePoint CutterCompensation::inside_corner(PlanePoint at, double theta, double beta) const {
   const double half = (beta + kPi) / 2;
-  if (half == 0) throw GcodeFault{"", "the path reverses its direction on the side of the tool"};
+  if (half == 0) throw ProgramFault{"", "the path reverses its direction on the side of the tool"};
   return offset_point(at, radius_ / std::tan(half), theta + quarter());
 }
 
@@ -276,10 +276,10 @@ PlanePoint CutterCompensation::arc(PlanePoint at, PlanePoint to, const ArcCenter
                                    : beside_    ? distance(center, to)
                                                 : distance(center, from);
   if (inside(signed_turns) && programmed_radius <= radius_)
-    throw GcodeFault{"",
-                     "the radius of an arc with the tool on its inside must be greater than "
-                     "the tool's, " +
-                         decimal_text(radius_, 6) + " mm"};
+    throw ProgramFault{"",
+                       "the radius of an arc with the tool on its inside must be greater than "
+                       "the tool's, " +
+                           decimal_text(radius_, 6) + " mm"};
   const PlanePoint end =
       beside_ ? follow_arc(at, to, center, signed_turns, info)
               : enter_arc(at, to, center, clockwise, turns, spiral_tolerance_mm, info);

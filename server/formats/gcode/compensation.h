@@ -43,8 +43,8 @@ enum class CompensationEntry {
 /// Cutter radius compensation (G41, G42) as computed by LinuxCNC: the tool center follows the
 /// programmed path at a distance of its radius, rounds outside corners with an arc and stops at the
 /// intersection in inside corners. A move is delayed until the next one determines the corner at
-/// its end. Supports the planes XY and ZX. Throws GcodeFault for a path that the tool cannot follow
-/// without gouging.
+/// its end. Supports the planes XY and ZX. Throws ProgramFault for a path that the tool cannot
+/// follow without gouging.
 class CutterCompensation {
  public:
   using Emit = std::function<void(const CompensatedMove&)>;

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <string>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 
 namespace kerf {
 
@@ -20,11 +20,11 @@ inline constexpr double kCornerMinRad = 0.05;
 /// Whether a value has an arc sine and cosine; false for NaN.
 inline bool within_one(double value) { return value >= -1 && value <= 1; }
 
-/// Throws GcodeFault for a point of the path that the tool cannot reach.
+/// Throws ProgramFault for a point of the path that the tool cannot reach.
 [[noreturn]] inline void reject_gouging(const char* place) {
-  throw GcodeFault{"", std::string(place) +
-                           " cannot be reached without gouging; use a smaller tool or a larger "
-                           "radius"};
+  throw ProgramFault{"", std::string(place) +
+                             " cannot be reached without gouging; use a smaller tool or a larger "
+                             "radius"};
 }
 
 }  // namespace kerf

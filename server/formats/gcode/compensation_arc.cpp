@@ -25,7 +25,7 @@ PlanePoint CutterCompensation::enter_arc(PlanePoint at, PlanePoint to, PlanePoin
                                          bool clockwise, int turns, double spiral_tolerance_mm,
                                          const CompensatedInfo& info) {
   if (distance(at, to) <= radius_)
-    throw GcodeFault{
+    throw ProgramFault{
         "", "the entry arc of cutter compensation must be longer than the tool's radius, " +
                 decimal_text(radius_, 6) + " mm"};
   const int signed_turns = clockwise ? -turns : turns;
@@ -34,10 +34,10 @@ PlanePoint CutterCompensation::enter_arc(PlanePoint at, PlanePoint to, PlanePoin
   const double half_chord = distance(end, at) / 2;
   const double to_center = direction(end, center);
   const double cosine = std::cos(direction(end, at) - to_center);
-  if (std::abs(cosine) < kEntryCosineMin) throw GcodeFault{"", kNoEntryArc};
+  if (std::abs(cosine) < kEntryCosineMin) throw ProgramFault{"", kNoEntryArc};
   const PlanePoint moved = offset_point(end, half_chord / cosine, to_center);
   if (std::abs(distance(moved, end) - distance(moved, at)) > spiral_tolerance_mm)
-    throw GcodeFault{"", kNoEntryArc};
+    throw ProgramFault{"", kNoEntryArc};
   CompensatedMove move{.kind = CompensatedMove::Kind::kArc,
                        .end = {end.first, end.second, to.normal},
                        .center = moved,
@@ -113,7 +113,7 @@ PlanePoint CutterCompensation::inside_corner_of_arcs(const CompensatedMove& befo
   const double radius_after = inside(turns) ? radius - radius_ : radius + radius_;
   const double apart = distance(before.center, center);
   if (radius_before == 0 || apart == 0)
-    throw GcodeFault{"", "two consecutive arcs about the same center cannot be compensated"};
+    throw ProgramFault{"", "two consecutive arcs about the same center cannot be compensated"};
   const double cosine =
       (radius_before * radius_before + apart * apart - radius_after * radius_after) /
       (2 * radius_before * apart);

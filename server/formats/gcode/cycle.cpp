@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/units.h"
 
 namespace kerf {
@@ -91,33 +91,34 @@ void Cycle::begin_hole() {
 // Stores the words of the block. Missing words keep their previous values.
 void Cycle::recall() {
   if (!words_.r && !repeated_)
-    throw GcodeFault{"", "the cycle requires R, the level from which it feeds"};
+    throw ProgramFault{"", "the cycle requires R, the level from which it feeds"};
   if (!words_.depth && !repeated_)
-    throw GcodeFault{"",
-                     "the cycle requires the bottom of the hole (Z in G17, Y in G18, X in G19)"};
+    throw ProgramFault{"",
+                       "the cycle requires the bottom of the hole (Z in G17, Y in G18, X in G19)"};
   const bool dwells = code_ == 820 || code_ == 860 || code_ == 880 || code_ == 890;
   if (dwells && !words_.p && !repeated_ && !memory_->lenient)
-    throw GcodeFault{"", "the cycle requires P, the dwell at the bottom in seconds"};
+    throw ProgramFault{"", "the cycle requires P, the dwell at the bottom in seconds"};
   if (words_.p) memory_->p = *words_.p;
   const bool pecks = code_ == 730 || code_ == 830;
   if (words_.q) memory_->q = *words_.q;
   if (memory_->lenient && pecks && memory_->q <= 0) memory_->q = kOnePeck;
   if (pecks && !words_.q && !repeated_ && !memory_->lenient)
-    throw GcodeFault{"", "the cycle requires Q, the depth of a peck"};
+    throw ProgramFault{"", "the cycle requires Q, the depth of a peck"};
 
-  if (pecks && !(memory_->q > 0)) throw GcodeFault{"", "Q, the depth of a peck, must be above 0"};
+  if (pecks && !(memory_->q > 0)) throw ProgramFault{"", "Q, the depth of a peck, must be above 0"};
   if (code_ == 870 && !repeated_ && !memory_->lenient && (!words_.i || !words_.j || !words_.k))
-    throw GcodeFault{"", "G87 requires I, J and K"};
+    throw ProgramFault{"", "G87 requires I, J and K"};
   if (words_.i) memory_->i = *words_.i;
   if (words_.j) memory_->j = *words_.j;
   if (words_.k) memory_->k = *words_.k;
   const bool turns = code_ == 740 || code_ == 840 || (code_ >= 860 && code_ <= 880);
   if (memory_->lenient) return;
   if (turns && modes_.spindle == GcodeSpindle::kStopped)
-    throw GcodeFault{"", "the cycle requires a turning spindle; start it with M3 or M4"};
+    throw ProgramFault{"", "the cycle requires a turning spindle; start it with M3 or M4"};
   if ((code_ == 840 && modes_.spindle == GcodeSpindle::kCounterClockwise) ||
       (code_ == 740 && modes_.spindle == GcodeSpindle::kClockwise))
-    throw GcodeFault{"", "the spindle turns in the wrong direction; use M3 for G84 and M4 for G74"};
+    throw ProgramFault{"",
+                       "the spindle turns in the wrong direction; use M3 for G84 and M4 for G74"};
 }
 
 // Stores R and the depth as written, or as levels.
@@ -132,7 +133,7 @@ void Cycle::set_heights(double initial) {
   r_ = adds ? memory_->r + initial : memory_->r;
   bottom_ = adds ? r_ + memory_->depth : memory_->depth;
   if (r_ < bottom_)
-    throw GcodeFault{"", "the R level of the cycle must not be below the bottom of the hole"};
+    throw ProgramFault{"", "the R level of the cycle must not be below the bottom of the hole"};
   middle_ = modes_.incremental ? bottom_ + memory_->k : memory_->k;
 }
 
@@ -157,7 +158,7 @@ void Cycle::advance_hole() {
   const double more_angle = words_.angle_deg.value_or(0) * kRadPerDeg;
   if (more_radius == 0 && more_angle == 0) return;
   if (hole_.first == 0 && hole_.second == 0)
-    throw GcodeFault{"", "polar increments require a position other than the origin"};
+    throw ProgramFault{"", "polar increments require a position other than the origin"};
   const double radius = std::hypot(hole_.first, hole_.second) + more_radius;
   const double angle = std::atan2(hole_.second, hole_.first) + more_angle;
   hole_.first = radius * std::cos(angle);

@@ -44,12 +44,12 @@ struct CycleStep {
 class Cycle {
  public:
   /// Starts at `at`, mm. `code` is times ten. Words missing in the block are taken from `memory`,
-  /// which is updated and outlives the cycle. Throws GcodeFault for a missing word, an R plane
+  /// which is updated and outlives the cycle. Throws ProgramFault for a missing word, an R plane
   /// below the bottom of the hole, or a spindle that is stopped or turns in the wrong direction.
   Cycle(int code, const GcodeModes& modes, PlanePoint at, const CycleWords& words,
         CycleMemory& memory);
 
-  /// Returns the next step, or nullopt at the end. Throws GcodeFault for polar increments at the
+  /// Returns the next step, or nullopt at the end. Throws ProgramFault for polar increments at the
   /// origin.
   std::optional<CycleStep> next();
   /// The position after the last step, mm.

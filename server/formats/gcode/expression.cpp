@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <span>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/letter_case.h"
 #include "server/formats/number_text.h"
 #include "server/formats/units.h"
@@ -126,8 +126,8 @@ bool is_gcode_integer(double value) {
 }
 
 void GcodeValueReader::reject(const std::string& reason) const {
-  throw GcodeFault{to_upper(std::string(line_.substr(std::min({word_, at_, line_.size()})))),
-                   reason};
+  throw ProgramFault{to_upper(std::string(line_.substr(std::min({word_, at_, line_.size()})))),
+                     reason};
 }
 
 std::string GcodeValueReader::word_since(std::size_t start) const {
@@ -158,7 +158,7 @@ double GcodeValueReader::value() {
 double GcodeValueReader::expression() { return operation(value(), 1); }
 
 double GcodeValueReader::finite(double result, std::size_t start) const {
-  if (!std::isfinite(result)) throw GcodeFault{word_since(start), "has no finite value"};
+  if (!std::isfinite(result)) throw ProgramFault{word_since(start), "has no finite value"};
   return result;
 }
 
@@ -196,12 +196,12 @@ double GcodeValueReader::number() {
     (peek() == '.' ? point : digits) = true;
     skip();
   }
-  if (!digits) throw GcodeFault{word_since(start), "is not a number"};
+  if (!digits) throw ProgramFault{word_since(start), "is not a number"};
   const std::string_view text = line_.substr(start, at_ - start);
   double result = 0;
   const auto read =
       number_of_chars(text.data(), text.data() + text.size(), result, std::chars_format::fixed);
-  if (read.ec != std::errc{}) throw GcodeFault{word_since(start), "is not a number"};
+  if (read.ec != std::errc{}) throw ProgramFault{word_since(start), "is not a number"};
   return result;
 }
 
@@ -231,7 +231,7 @@ double GcodeValueReader::operation(double left, int precedence) {
     double right = value();
     right = operation(right, found->precedence + 1);
     left = macros ? apply_macro(*found, left, right) : found->apply(left, right);
-    if (!std::isfinite(left)) throw GcodeFault{word_since(start), "has no finite result"};
+    if (!std::isfinite(left)) throw ProgramFault{word_since(start), "has no finite result"};
   }
 }
 
@@ -265,7 +265,7 @@ double GcodeValueReader::function() {
     const double argument = bracket();
     const double result = candidate.apply(std::isnan(argument) ? 0 : argument);
     if (std::isnan(result))
-      throw GcodeFault{word_since(start), "is outside of the domain of the function"};
+      throw ProgramFault{word_since(start), "is outside of the domain of the function"};
     return result;
   };
   if (parameters_.macros())
@@ -290,8 +290,8 @@ std::variant<int, std::string> GcodeValueReader::parameter_key() {
   if (peek() != '<') {
     const int key = integer("a parameter number");
     if (key < (parameters_.vacant() ? 0 : 1) || key > parameters_.max())
-      throw GcodeFault{"#" + text_since(start),
-                       "must be a parameter number from 1 to " + std::to_string(parameters_.max())};
+      throw ProgramFault{"#" + text_since(start), "must be a parameter number from 1 to " +
+                                                      std::to_string(parameters_.max())};
     return key;
   }
   skip();
@@ -302,9 +302,9 @@ std::string GcodeValueReader::name() {
   const std::size_t first = at_;
   while (!done() && peek() != '>') skip();
   std::string text = text_since(first);
-  if (done()) throw GcodeFault{"<" + text, "is not closed with '>'"};
+  if (done()) throw ProgramFault{"<" + text, "is not closed with '>'"};
   skip();
-  if (text.empty()) throw GcodeFault{"<>", "requires a name"};
+  if (text.empty()) throw ProgramFault{"<>", "requires a name"};
   return text;
 }
 
@@ -313,7 +313,7 @@ double GcodeValueReader::parameter() {
   if (const int* number = std::get_if<int>(&key)) {
     using namespace gcode_parameter;
     if (!position_readable_ && *number >= kPosition && *number <= kPositionLast)
-      throw GcodeFault{
+      throw ProgramFault{
           "#" + std::to_string(*number),
           "the position cannot be read while cutter compensation is on; read it before G41 or G42"};
     if (parameters_.vacant() && is_tool_life_count(*number)) {
@@ -321,24 +321,24 @@ double GcodeValueReader::parameter() {
       return 0;
     }
     if (parameters_.macros() && !is_macro_variable(*number, false))
-      throw GcodeFault{"#" + std::to_string(*number),
-                       "is a system variable of the control whose value is not known here"};
+      throw ProgramFault{"#" + std::to_string(*number),
+                         "is a system variable of the control whose value is not known here"};
     return parameters_.numbered(*number);
   }
   const std::string& name = std::get<std::string>(key);
   const auto value = parameters_.named(name);
   if (value) return *value;
   const bool foreign = name.starts_with("_ini[") || name.starts_with("_hal[");
-  throw GcodeFault{"#<" + name + ">",
-                   foreign ? "is a value of the machine's configuration, which is not supported"
-                           : "is not assigned"};
+  throw ProgramFault{"#<" + name + ">",
+                     foreign ? "is a value of the machine's configuration, which is not supported"
+                             : "is not assigned"};
 }
 
 int GcodeValueReader::integer(const char* meaning) {
   const std::size_t start = at_;
   const double number = value();
   if (!is_gcode_integer(number))
-    throw GcodeFault{word_since(start), std::string("must be an integer (") + meaning + ")"};
+    throw ProgramFault{word_since(start), std::string("must be an integer (") + meaning + ")"};
   return static_cast<int>(std::lround(number));
 }
 

@@ -20,7 +20,7 @@ inline constexpr double kMacroEqualTolerance = 1e-8;
 inline constexpr int kGcodeNestingMax = 100;
 
 /// A parser for the values on one line of G-code in lower case without blanks: numbers,
-/// [expressions], #parameters and functions. Angles are in degrees. Throws GcodeFault.
+/// [expressions], #parameters and functions. Angles are in degrees. Throws ProgramFault.
 class GcodeValueReader {
  public:
   /// `position_readable`: whether #5420 to #5428 may be read. They may not during cutter

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 
 namespace kerf {
 
@@ -25,11 +25,11 @@ std::string_view GcodeFlow::line_text() const {
 
 void GcodeFlow::count_line() {
   if (++passed_ > lines_max_)
-    throw GcodeFault{
+    throw ProgramFault{
         "", "the program does not end: it has executed " + std::to_string(lines_max_) + " lines"};
   if (++idle_ > kGcodeIdleLinesMax)
-    throw GcodeFault{"", "the program does not end: it has executed " +
-                             std::to_string(kGcodeIdleLinesMax) + " lines without a motion"};
+    throw ProgramFault{"", "the program does not end: it has executed " +
+                               std::to_string(kGcodeIdleLinesMax) + " lines without a motion"};
 }
 
 std::optional<GcodeLine> GcodeFlow::next() {
@@ -38,8 +38,8 @@ std::optional<GcodeLine> GcodeFlow::next() {
     const GcodeFile& file = source_.file(at_.file);
     if (at_.line >= file.lines.size()) {
       if (frames_.size() == 1) return std::nullopt;
-      throw GcodeFault{"", "the file ends within the subroutine O<" + frames_.back().subroutine +
-                               ">; endsub or return is missing"};
+      throw ProgramFault{"", "the file ends within the subroutine O<" + frames_.back().subroutine +
+                                 ">; endsub or return is missing"};
     }
     const std::string_view text = file.lines[at_.line];
     line_ = ++at_.line;
@@ -97,7 +97,7 @@ void GcodeFlow::execute(const OWord& word) {
     case Keyword::kElse:
       return end_branch(word);
     case Keyword::kEndif:
-      if (label(word).kind != LabelKind::kIf) throw GcodeFault{word.text, "has no matching if"};
+      if (label(word).kind != LabelKind::kIf) throw ProgramFault{word.text, "has no matching if"};
       return;
     case Keyword::kBreak:
       return break_loop(word, false);
@@ -108,7 +108,7 @@ void GcodeFlow::execute(const OWord& word) {
 
 void GcodeFlow::define(const OWord& word) {
   if (!subroutines_.emplace(word.name, Place{at_.file, at_.line - 1}).second)
-    throw GcodeFault{word.text, "defines a subroutine that is already defined"};
+    throw ProgramFault{word.text, "defines a subroutine that is already defined"};
   skip_to(word.name, {Keyword::kEndsub}, "is a subroutine without endsub");
 }
 
@@ -135,11 +135,11 @@ void GcodeFlow::call(const OWord& word) {
   const bool fanuc = word.keyword == Keyword::kM98;
   if (fanuc && word.repeats == 0) return;
   if (frames_.size() > kGcodeCallDepthMax)
-    throw GcodeFault{word.text, "calls are nested deeper than " +
-                                    std::to_string(kGcodeCallDepthMax) + " levels"};
+    throw ProgramFault{word.text, "calls are nested deeper than " +
+                                      std::to_string(kGcodeCallDepthMax) + " levels"};
   const auto place = find_subroutine(word.name, fanuc);
   if (!place)
-    throw GcodeFault{
+    throw ProgramFault{
         word.text, "calls a subroutine that is neither in the program nor in a subroutine folder"};
   Frame frame{.subroutine = word.name, .back = at_, .shared = fanuc, .labels = {}};
   frame.repeats_left = word.repeats - 1;
@@ -158,12 +158,12 @@ void GcodeFlow::enter(Place at, Frame frame, const std::vector<double>& argument
 }
 
 void GcodeFlow::leave(const OWord& word) {
-  if (frames_.size() == 1) throw GcodeFault{word.text, "is allowed within a subroutine only"};
+  if (frames_.size() == 1) throw ProgramFault{word.text, "is allowed within a subroutine only"};
   Frame& frame = frames_.back();
   if (frame.shared != (word.keyword == Keyword::kM99))
-    throw GcodeFault{word.text, frame.shared
-                                    ? "must not end a program called by M98; use M99"
-                                    : "must not end a subroutine called by call; use endsub"};
+    throw ProgramFault{word.text, frame.shared
+                                      ? "must not end a program called by M98; use M99"
+                                      : "must not end a subroutine called by call; use endsub"};
   listener_.returned(word.values.empty() ? std::nullopt : std::optional(word.values.front()));
   parameters_.leave();
   listener_.left();
@@ -183,15 +183,15 @@ GcodeFlow::Label& GcodeFlow::new_label(const OWord& word, LabelKind kind) {
   const Place here{at_.file, at_.line - 1};
   const auto [it, added] = frames_.back().labels.emplace(word.name, Label{kind, here});
   if (!added && (it->second.kind != kind || it->second.place != here))
-    throw GcodeFault{word.text, "uses a label that is already used in line " +
-                                    std::to_string(it->second.place.line + 1)};
+    throw ProgramFault{word.text, "uses a label that is already used in line " +
+                                      std::to_string(it->second.place.line + 1)};
   return it->second;
 }
 
 GcodeFlow::Label& GcodeFlow::label(const OWord& word) {
   const auto it = frames_.back().labels.find(word.name);
   if (it == frames_.back().labels.end())
-    throw GcodeFault{word.text, "has no matching start of a loop or branch"};
+    throw ProgramFault{word.text, "has no matching start of a loop or branch"};
   return it->second;
 }
 
@@ -211,7 +211,7 @@ OWord GcodeFlow::skip_to(const std::string& name, std::initializer_list<Keyword>
     return word.keyword == Keyword::kElseif ? read(line, true) : word;
   }
   line_ = from;
-  throw GcodeFault{"O<" + name + ">", reason};
+  throw ProgramFault{"O<" + name + ">", reason};
 }
 
 void GcodeFlow::execute_while(const OWord& word) {
@@ -237,7 +237,7 @@ void GcodeFlow::begin_repeat(const OWord& word) {
 void GcodeFlow::end_loop(const OWord& word) {
   const Label& loop = label(word);
   if (loop.kind != (word.keyword == Keyword::kEndwhile ? LabelKind::kWhile : LabelKind::kRepeat))
-    throw GcodeFault{word.text, "has no matching while or repeat"};
+    throw ProgramFault{word.text, "has no matching while or repeat"};
   at_ = loop.place;
 }
 
@@ -252,14 +252,14 @@ void GcodeFlow::begin_if(const OWord& word) {
 
 // Called at else and elseif after the preceding branch has been executed.
 void GcodeFlow::end_branch(const OWord& word) {
-  if (label(word).kind != LabelKind::kIf) throw GcodeFault{word.text, "has no matching if"};
+  if (label(word).kind != LabelKind::kIf) throw ProgramFault{word.text, "has no matching if"};
   skip_to(word.name, {Keyword::kEndif}, "is an if without endif");
 }
 
 void GcodeFlow::break_loop(const OWord& word, bool again) {
   const Label loop = label(word);
   if (loop.kind != LabelKind::kWhile && loop.kind != LabelKind::kDo)
-    throw GcodeFault{word.text, "has no matching while or do"};
+    throw ProgramFault{word.text, "has no matching while or do"};
   const bool is_do = loop.kind == LabelKind::kDo;
   if (again && !is_do) {
     at_ = loop.place;

@@ -72,7 +72,7 @@ class GcodeFlow final : public ProgramFlow {
   Label& label(const OWord& word);
   Label& new_label(const OWord& word, LabelKind kind);
   /// Continues after the next line whose O word has the name and one of the keywords. Returns that
-  /// word. Throws GcodeFault with `reason` if there is no such line.
+  /// word. Throws ProgramFault with `reason` if there is no such line.
   OWord skip_to(const std::string& name, std::initializer_list<OWord::Keyword> keywords,
                 const std::string& reason);
   std::optional<Place> find_subroutine(const std::string& name, bool fanuc);

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/expression.h"
-#include "server/formats/gcode/fault.h"
 #include "server/formats/units.h"
 
 namespace kerf {
@@ -62,8 +62,8 @@ void GcodeMachine::begin(GcodeBlock& block) {
   if (block.has_code(GcodeGroup::kNonModal, 40)) {
     const auto seconds = block.take('p');
     if (!seconds || *seconds < 0)
-      throw GcodeFault{block.code(GcodeGroup::kNonModal)->text,
-                       "requires P, the dwell in seconds, of at least 0"};
+      throw ProgramFault{block.code(GcodeGroup::kNonModal)->text,
+                         "requires P, the dwell in seconds, of at least 0"};
     CompensatedInfo info;
     info.file = file_;
     info.line = line_;
@@ -83,28 +83,28 @@ void GcodeMachine::begin(GcodeBlock& block) {
 bool GcodeMachine::end(const GcodeBlock& block) {
   if (block_is_machine_) modes_.motion = modal_motion_;
   for (const GcodeWord& word : block.words)
-    if (!word.used) throw GcodeFault{word.text, "is not used by any code of this block"};
+    if (!word.used) throw ProgramFault{word.text, "is not used by any code of this block"};
   return stop(block);
 }
 
 void GcodeMachine::finish() {
   require_no_corner();
-  if (reads_outline()) throw GcodeFault{"G150", "the program that states the outline has no M99"};
+  if (reads_outline()) throw ProgramFault{"G150", "the program that states the outline has no M99"};
   compensation_.flush(in_plane(linear(at_), compensation_.plane()));
 }
 
 void GcodeMachine::reject_compensated(const GcodeCode& code) const {
   if (compensation_.on())
-    throw GcodeFault{code.text,
-                     "is not allowed while cutter compensation is on; program G40 first"};
+    throw ProgramFault{code.text,
+                       "is not allowed while cutter compensation is on; program G40 first"};
 }
 
 void GcodeMachine::reject_foreign_axes(const GcodeBlock& block) const {
   for (const char letter : kAxisLetters) {
     const GcodeWord* word = block.find(letter);
     if (word != nullptr && setup_.axes.find(letter) == std::string_view::npos)
-      throw GcodeFault{word->text, "the machine " + setup_.machine_name + " has no " +
-                                       word->text.front() + " axis"};
+      throw ProgramFault{word->text, "the machine " + setup_.machine_name + " has no " +
+                                         word->text.front() + " axis"};
   }
 }
 
@@ -114,13 +114,14 @@ void GcodeMachine::decide_motion(const GcodeBlock& block) {
   const bool polar = block.has_any(kPolarLetters);
   const bool axes = block.has_any(kAxisLetters) || polar;
   if (polar && (modes_.plane != ArcPlane::kXy || block.has_any("xy")))
-    throw GcodeFault{"", "polar coordinates (@ ^) require the plane XY (G17) and exclude X and Y"};
+    throw ProgramFault{"",
+                       "polar coordinates (@ ^) require the plane XY (G17) and exclude X and Y"};
   const GcodeCode* special = block.code(GcodeGroup::kNonModal);
   const GcodeCode* motion = block.code(GcodeGroup::kMotion);
   const bool uses_axis_words = special != nullptr && takes_axis_words(special->code);
   if (uses_axis_words && (special->code == 920 || special->code == 520) && (polar || !axes))
-    throw GcodeFault{special->text,
-                     "requires at least one axis word and does not take polar coordinates"};
+    throw ProgramFault{special->text,
+                       "requires at least one axis word and does not take polar coordinates"};
   if (motion != nullptr) {
     if (motion->code == 800 && setup_.rules.macros) {
       block_motion_ = axes && !uses_axis_words ? path_motion_ : 800;
@@ -128,19 +129,19 @@ void GcodeMachine::decide_motion(const GcodeBlock& block) {
     }
     if (motion->code == 800) {
       if (axes && !uses_axis_words)
-        throw GcodeFault{motion->text, "cancels the motion mode and takes no axis words"};
+        throw ProgramFault{motion->text, "cancels the motion mode and takes no axis words"};
     } else if (uses_axis_words) {
-      throw GcodeFault{special->text,
-                       "uses the axis words of its block, which must not have a motion code"};
+      throw ProgramFault{special->text,
+                         "uses the axis words of its block, which must not have a motion code"};
     } else if (!axes && motion->code > 30 && !setup_.rules.macros) {
-      throw GcodeFault{motion->text, "requires axis words"};
+      throw ProgramFault{motion->text, "requires axis words"};
     }
     block_motion_ = motion->code;
   } else if (!uses_axis_words && axes) {
     const GcodeCode* length = block.code(GcodeGroup::kToolLength);
     const bool offset = length != nullptr && (length->code == 431 || length->code == 432);
     if (modes_.motion == 800 && !offset)
-      throw GcodeFault{"", "axis words require an active motion code (G0, G1, G2, G3, a cycle)"};
+      throw ProgramFault{"", "axis words require an active motion code (G0, G1, G2, G3, a cycle)"};
     if (length == nullptr || length->code != 431) block_motion_ = modes_.motion;
   } else if (!uses_axis_words && block.has_any("ijk") &&
              (modes_.motion == 20 || modes_.motion == 30 ||
@@ -149,27 +150,27 @@ void GcodeMachine::decide_motion(const GcodeBlock& block) {
   }
   if (special == nullptr || special->code != 530) return;
   if (block_motion_ != 0 && block_motion_ != 10)
-    throw GcodeFault{special->text, "requires G0 or G1"};
+    throw ProgramFault{special->text, "requires G0 or G1"};
   if (setup_.rules.macros) return;
   const GcodeCode* distance = block.code(GcodeGroup::kDistance);
   if (distance != nullptr ? distance->code == 910 : modes_.incremental)
-    throw GcodeFault{special->text, "requires absolute coordinates (G90)"};
+    throw ProgramFault{special->text, "requires absolute coordinates (G90)"};
 }
 
 void GcodeMachine::set_spindle_and_feed(GcodeBlock& block) {
   const auto spindle = block.take('$');
   if (spindle && *spindle != 0 && *spindle != -1)
-    throw GcodeFault{block.find('$')->text,
-                     "selects a spindle that does not exist; the only one is 0"};
+    throw ProgramFault{block.find('$')->text,
+                       "selects a spindle that does not exist; the only one is 0"};
   if (const GcodeCode* code = block.code(GcodeGroup::kSpindleMode)) {
     modes_.surface_speed = code->code == 960;
     if (modes_.surface_speed && block.find('s') == nullptr)
-      throw GcodeFault{code->text, "requires S, the surface speed"};
+      throw ProgramFault{code->text, "requires S, the surface speed"};
     if (modes_.surface_speed) block.take('d');
   }
   if (const GcodeCode* code = block.code(GcodeGroup::kFeedMode)) set_feed_mode(code->code);
   if (const auto feed = block.take('f')) {
-    if (*feed < 0) throw GcodeFault{block.find('f')->text, "the feed must not be negative"};
+    if (*feed < 0) throw ProgramFault{block.find('f')->text, "the feed must not be negative"};
     const GcodeCode* units = block.code(GcodeGroup::kUnits);
     if (units != nullptr && (units->code == 200) != (modes_.unit_mm != 1))
       warn_(block.find('f')->text +
@@ -182,7 +183,7 @@ void GcodeMachine::set_spindle_and_feed(GcodeBlock& block) {
   }
   if (const auto speed = block.take('s')) {
     if (*speed < 0)
-      throw GcodeFault{block.find('s')->text, "the spindle speed must not be negative"};
+      throw ProgramFault{block.find('s')->text, "the spindle speed must not be negative"};
     modes_.spindle_rpm = *speed;
   }
 }
@@ -200,19 +201,19 @@ void GcodeMachine::set_feed_mode(int code) {
 void GcodeMachine::require_feed(const GcodeBlock& block) const {
   if (modes_.feed_mode == GcodeFeedMode::kInverseTime) {
     if (block.find('f') == nullptr || block.find('f')->value <= 0)
-      throw GcodeFault{"",
-                       "in inverse time mode (G93) every cutting block requires its own F above 0"};
+      throw ProgramFault{
+          "", "in inverse time mode (G93) every cutting block requires its own F above 0"};
     return;
   }
   if (modes_.feed_deg <= 0)
-    throw GcodeFault{"", "the feed is 0; give F before the first cutting motion"};
+    throw ProgramFault{"", "the feed is 0; give F before the first cutting motion"};
   if (modes_.feed_mode != GcodeFeedMode::kPerRevolution) return;
   if (modes_.spindle_rpm <= 0)
-    throw GcodeFault{"", "feed per revolution (G95) requires a spindle speed S above 0"};
+    throw ProgramFault{"", "feed per revolution (G95) requires a spindle speed S above 0"};
   if (modes_.surface_speed)
-    throw GcodeFault{"",
-                     "feed per revolution (G95) with constant surface speed (G96) is for lathes "
-                     "and not supported; use G97"};
+    throw ProgramFault{"",
+                       "feed per revolution (G95) with constant surface speed (G96) is for lathes "
+                       "and not supported; use G97"};
 }
 
 GcodeFeed GcodeMachine::feed_of(const GcodeBlock& block) const {
@@ -277,7 +278,7 @@ bool GcodeMachine::stop(const GcodeBlock& block) {
 
 void GcodeMachine::count_call() {
   if (++calls_ > kGcodeCallsMax)
-    throw GcodeFault{
+    throw ProgramFault{
         "", "the program exceeds the limit of " + std::to_string(kGcodeCallsMax) + " motions"};
 }
 

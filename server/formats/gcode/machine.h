@@ -24,7 +24,7 @@ namespace kerf {
 inline constexpr std::size_t kGcodeCallsMax = 20'000'000;
 
 /// The modal state of an RS-274 controller. Executes blocks in LinuxCNC's order and makes the
-/// canonical calls. Throws GcodeFault.
+/// canonical calls. Throws ProgramFault.
 class GcodeMachine {
  public:
   using Warn = std::function<void(const std::string&)>;

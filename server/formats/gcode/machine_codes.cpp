@@ -2,7 +2,7 @@
 // M codes of GcodeMachine and the saving of its modes.
 #include <cmath>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/machine.h"
 
 namespace kerf {
@@ -60,7 +60,7 @@ void GcodeMachine::turn_spindle(GcodeBlock& block, int code) {
       return;
     case 72:
       if (!saved_.back().modes)
-        throw GcodeFault{"M72", "requires modes saved with M70 or M73 at this call level"};
+        throw ProgramFault{"M72", "requires modes saved with M70 or M73 at this call level"};
       return restore(*saved_.back().modes);
     default:  // 70, 73
       saved_.back().modes = modes_;
@@ -88,7 +88,7 @@ void GcodeMachine::leave_subroutine() {
 void GcodeMachine::restore(const GcodeModes& modes) {
   if (compensation_.on() != saved_.back().compensated) {
     if (saved_.back().compensated)
-      throw GcodeFault{"", "M72 and M73 cannot restore cutter compensation"};
+      throw ProgramFault{"", "M72 and M73 cannot restore cutter compensation"};
     GcodeBlock empty;
     start_compensation(empty, 400);
   }
@@ -115,18 +115,18 @@ void GcodeMachine::use_input_output(GcodeBlock& block, int code) {
   const GcodeCode& written = *block.code(GcodeGroup::kInputOutput);
   const auto digital = block.take('p');
   if (code <= 65) {
-    if (!digital) throw GcodeFault{written.text, "requires P, the number of the output"};
+    if (!digital) throw ProgramFault{written.text, "requires P, the number of the output"};
     return;
   }
   const auto analog = block.take('e');
   block.take('q');
   if (code > 66) {
-    if (!analog) throw GcodeFault{written.text, "requires E, the number of the output"};
+    if (!analog) throw ProgramFault{written.text, "requires E, the number of the output"};
     return;
   }
   const auto wait = block.take('l');
   if (digital.has_value() == analog.has_value())
-    throw GcodeFault{written.text, "requires either P or E, the number of the input"};
+    throw ProgramFault{written.text, "requires either P or E, the number of the input"};
   warn_(written.text + " reads an input, which is not supported; #5399 keeps its value" +
         (wait.value_or(0) != 0 ? " and the program does not wait" : ""));
   const double kept = parameters_.numbered(gcode_parameter::kInput);

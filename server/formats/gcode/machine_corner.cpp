@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/machine.h"
 
 namespace kerf {
@@ -17,7 +17,7 @@ constexpr double kLevelMm = 1e-9;
 
 void GcodeMachine::require_no_corner() const {
   if (corner_)
-    throw GcodeFault{"", "a corner (,R or ,C) must be followed by a straight cutting move (G1)"};
+    throw ProgramFault{"", "a corner (,R or ,C) must be followed by a straight cutting move (G1)"};
 }
 
 // Delays a move with a corner until the next move is known. Returns false without a corner.
@@ -31,10 +31,10 @@ bool GcodeMachine::begin_corner(GcodeBlock& block, const GcodeAxes& to) {
   corner.radius_mm = radius.value_or(0) * modes_.unit_mm;
   corner.chamfer_mm = chamfer.value_or(0) * modes_.unit_mm;
   if (corner.radius_mm < 0 || corner.chamfer_mm < 0)
-    throw GcodeFault{radius ? ",R" : ",C", "must not be negative"};
+    throw ProgramFault{radius ? ",R" : ",C", "must not be negative"};
   if (corner.radius_mm == 0 && corner.chamfer_mm == 0) return false;
   if (modes_.feed_mode == GcodeFeedMode::kInverseTime)
-    throw GcodeFault{radius ? ",R" : ",C", "is not supported in inverse time mode (G93)"};
+    throw ProgramFault{radius ? ",R" : ",C", "is not supported in inverse time mode (G93)"};
   corner_ = corner;
   return true;
 }
@@ -60,13 +60,13 @@ void GcodeMachine::cut_corner(const GcodeAxes& next) {
   }
   if (std::abs(a.normal - b.normal) > kLevelMm || std::abs(c.normal - b.normal) > kLevelMm ||
       rotary(at_) != rotary(next))
-    throw GcodeFault{"", "a corner (,R or ,C) requires two moves within the active plane"};
+    throw ProgramFault{"", "a corner (,R or ,C) requires two moves within the active plane"};
   const double in = direction(a, b), out = direction(b, c);
   const double turn = std::remainder(out - in, 2 * std::numbers::pi);
   const double reach =
       corner.chamfer_mm > 0 ? corner.chamfer_mm : corner.radius_mm * std::abs(std::tan(turn / 2));
   if (!(reach <= std::min(distance(a, b), distance(b, c)) + kLevelMm))
-    throw GcodeFault{"", "the corner (,R or ,C) is larger than one of its moves"};
+    throw ProgramFault{"", "the corner (,R or ,C) is larger than one of its moves"};
   const PlanePoint start = offset_point(b, -reach, in), end = offset_point(b, reach, out);
   const auto cut_line = [&](const GcodeAxes& to) {
     if (!compensation_.active()) return feed(to, corner.feed, corner.named);

@@ -2,7 +2,7 @@
 // Canned cycles of GcodeMachine.
 #include <cmath>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/machine.h"
 
 namespace kerf {
@@ -15,7 +15,7 @@ constexpr int kRepeatsMax = 1'000'000;
 CycleWords GcodeMachine::read_cycle(GcodeBlock& block, int code) const {
   for (const char letter : {'a', 'b', 'c'})
     if (const GcodeWord* word = block.find(letter))
-      throw GcodeFault{word->text, "a canned cycle does not move rotary axes"};
+      throw ProgramFault{word->text, "a canned cycle does not move rotary axes"};
   const std::string_view letters = plane_letters(modes_.plane);
   CycleWords words{.first = block.take(letters[0]),
                    .second = block.take(letters[1]),
@@ -44,8 +44,8 @@ CycleWords GcodeMachine::read_cycle(GcodeBlock& block, int code) const {
   if (const auto repeats = block.take('l')) {
     if (*repeats < (setup_.rules.macros ? 0 : 1) || *repeats > kRepeatsMax ||
         *repeats != std::floor(*repeats))
-      throw GcodeFault{block.find('l')->text,
-                       "the number of repeats must be an integer from 1 to 1000000"};
+      throw ProgramFault{block.find('l')->text,
+                         "the number of repeats must be an integer from 1 to 1000000"};
     words.repeats = static_cast<int>(*repeats);
   }
   return words;
@@ -54,11 +54,11 @@ CycleWords GcodeMachine::read_cycle(GcodeBlock& block, int code) const {
 void GcodeMachine::cycle(GcodeBlock& block, int code) {
   const GcodeCode* written = block.code(GcodeGroup::kMotion);
   if (compensation_.on())
-    throw GcodeFault{
+    throw ProgramFault{
         written != nullptr ? written->text : "",
         "a canned cycle is not allowed while cutter compensation is on; program G40 first"};
   if (modes_.feed_mode == GcodeFeedMode::kInverseTime)
-    throw GcodeFault{"", "a canned cycle is not allowed in inverse time mode (G93)"};
+    throw ProgramFault{"", "a canned cycle is not allowed in inverse time mode (G93)"};
   const auto repeats = setup_.rules.macros ? block.find('l') : nullptr;
   if (repeats == nullptr || repeats->value != 0) require_feed(block);
   const ArcPlane plane = modes_.plane;

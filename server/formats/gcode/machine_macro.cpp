@@ -3,8 +3,8 @@
 // are checked, converted to LinuxCNC's, or ignored with a warning.
 #include <cmath>
 
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/expression.h"
-#include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/machine.h"
 
 namespace kerf {
@@ -28,8 +28,8 @@ void remove_words(GcodeBlock& block, std::string_view letters) {
 
 int integer_of(const GcodeWord& word, int least, int most) {
   if (!is_gcode_integer(word.value) || word.value < least - 0.5 || word.value > most + 0.5)
-    throw GcodeFault{word.text, "must be an integer from " + std::to_string(least) + " to " +
-                                    std::to_string(most)};
+    throw ProgramFault{word.text, "must be an integer from " + std::to_string(least) + " to " +
+                                      std::to_string(most)};
   return static_cast<int>(std::lround(word.value));
 }
 
@@ -72,8 +72,8 @@ void GcodeMachine::prepare_units(GcodeBlock& block) {
     if (group != GcodeGroup::kUnits || code.code < 700) continue;
     if (begin_pattern(block, code)) return block.drop(GcodeGroup::kUnits);
     if (code.code == 720 || block.has_any("ijl"))
-      throw GcodeFault{code.text,
-                       "is a pattern of holes, which is not supported; use single holes"};
+      throw ProgramFault{code.text,
+                         "is a pattern of holes, which is not supported; use single holes"};
     code.code = code.code == 700 ? 200 : 210;
   }
 }
@@ -135,8 +135,8 @@ void GcodeMachine::ignore_codes(GcodeBlock& block) {
   }
   if (ignored) {
     if (takes_more_systems(block))
-      throw GcodeFault{block.find('p')->text,
-                       "may belong to G54 or to another code; write them in two blocks"};
+      throw ProgramFault{block.find('p')->text,
+                         "may belong to G54 or to another code; write them in two blocks"};
     const bool keeps_p = block_uses_cycle(block) || block.code(GcodeGroup::kMoreSystems) != nullptr;
     remove_words(block, keeps_p ? "e" : "pqe");
     if (!block.has_any(kAxisLetters)) remove_words(block, "ijklr");
@@ -172,7 +172,7 @@ void GcodeMachine::prepare_home(GcodeBlock& block) {
   const GcodeCode* motion = block.code(GcodeGroup::kMotion);
   if (motion == nullptr) return;
   if (motion->code > 30 && motion->code != 800)
-    throw GcodeFault{motion->text, "is not allowed in a block with G28 or G30"};
+    throw ProgramFault{motion->text, "is not allowed in a block with G28 or G30"};
   if (motion->code <= 30) path_motion_ = motion->code;
   modes_.motion = path_motion_;
   block.drop(GcodeGroup::kMotion);
@@ -184,21 +184,23 @@ void GcodeMachine::prepare_offsets(GcodeBlock& block) {
   if (!block.has_code(GcodeGroup::kNonModal, 100)) return;
   GcodeWord* kind = word_of(block, 'l');
   GcodeWord* number = word_of(block, 'p');
-  if (kind == nullptr) throw GcodeFault{"G10", "requires L"};
+  if (kind == nullptr) throw ProgramFault{"G10", "requires L"};
   const int l = integer_of(*kind, 0, 100);
   const bool grbl = setup_.rules.dialect == Dialect::kGrbl;
   if (l == 10 || l == 11 || l == 1) {
     if (!setup_.tools_of_scene)
-      throw GcodeFault{kind->text, "changes a tool length, which the tool table given here holds"};
+      throw ProgramFault{kind->text,
+                         "changes a tool length, which the tool table given here holds"};
     warn_once("G10 L10", "G10 " + kind->text + " sets a tool length, which is not applied");
     block.drop(GcodeGroup::kNonModal);
     return remove_words(block, "lprxyzabc");
   }
   if (l != 2 && (l != 20 || setup_.rules.dialect == Dialect::kMach3))
-    throw GcodeFault{kind->text, "of G10 is not supported"};
-  if (number == nullptr) throw GcodeFault{"G10", "requires P, the number of the coordinate system"};
+    throw ProgramFault{kind->text, "of G10 is not supported"};
+  if (number == nullptr)
+    throw ProgramFault{"G10", "requires P, the number of the coordinate system"};
   if (const GcodeWord* turn = word_of(block, 'r'))
-    throw GcodeFault{turn->text, "of G10 " + kind->text + " is not supported"};
+    throw ProgramFault{turn->text, "of G10 " + kind->text + " is not supported"};
   if (!setup_.rules.of_fanuc()) {
     // Like LinuxCNC: L20 gives the current position these coordinates, P0 is the active system.
     integer_of(*number, grbl ? 0 : 1, 6);
@@ -209,7 +211,7 @@ void GcodeMachine::prepare_offsets(GcodeBlock& block) {
     // The external offset of a shop is part of the scene's zero. Programs clear it.
     for (const GcodeWord& word : block.words)
       if (kAxisLetters.find(word.letter) != std::string_view::npos && word.value != 0)
-        throw GcodeFault{number->text, "sets the external offset, which is not supported"};
+        throw ProgramFault{number->text, "sets the external offset, which is not supported"};
     block.drop(GcodeGroup::kNonModal);
     return remove_words(block, "lpxyzabc");
   }
@@ -246,7 +248,7 @@ void GcodeMachine::prepare_systems(GcodeBlock& block) {
   } else if (more != nullptr) {
     const GcodeWord* number = word_of(block, 'p');
     if (number == nullptr)
-      throw GcodeFault{more->text, "requires P, the number of the coordinate system"};
+      throw ProgramFault{more->text, "requires P, the number of the coordinate system"};
     system = kFirstMoreSystem + integer_of(*number, 1, gcode_parameter::kMoreSystemsMax) - 1;
     remove_words(block, "p");
   } else if (six != nullptr && takes_more_systems(block)) {
@@ -255,13 +257,13 @@ void GcodeMachine::prepare_systems(GcodeBlock& block) {
              integer_of(*word_of(block, 'p'), 1, gcode_parameter::kMoreSystemsMax) - 1;
     remove_words(block, "p");
   } else if (six != nullptr) {
-    if (six->code > 590) throw GcodeFault{six->text, "is not a code of this control"};
+    if (six->code > 590) throw ProgramFault{six->text, "is not a code of this control"};
     system = six->code / 10 - 53;
   }
   if (system == 0) return;
   if (untransformed_ && system != modes_.system)
-    throw GcodeFault{more != nullptr ? more->text : six->text,
-                     "is not allowed while the program is rotated, scaled or mirrored"};
+    throw ProgramFault{more != nullptr ? more->text : six->text,
+                       "is not allowed while the program is rotated, scaled or mirrored"};
   if (more != nullptr) {
     if (system != modes_.system) reject_compensated(*more);
     select_system(system);
@@ -282,11 +284,11 @@ void GcodeMachine::prepare_polar(GcodeBlock& block) {
   if (!block.has_any("xy")) return;
   const GcodeCode* plane = block.code(GcodeGroup::kPlane);
   if (plane != nullptr ? plane->code != 170 : modes_.plane != ArcPlane::kXy)
-    throw GcodeFault{"G16", "polar coordinates are supported in the plane XY (G17) only"};
+    throw ProgramFault{"G16", "polar coordinates are supported in the plane XY (G17) only"};
   const GcodeCode* distance = block.code(GcodeGroup::kDistance);
   const bool incremental = distance != nullptr ? distance->code == 910 : modes_.incremental;
   if (incremental && word_of(block, 'x') != nullptr)
-    throw GcodeFault{word_of(block, 'x')->text, "an incremental polar radius is not supported"};
+    throw ProgramFault{word_of(block, 'x')->text, "an incremental polar radius is not supported"};
   if (GcodeWord* radius = word_of(block, 'x')) radius->letter = '@';
   if (GcodeWord* angle = word_of(block, 'y')) angle->letter = '^';
 }
@@ -298,7 +300,7 @@ void GcodeMachine::prepare_motion(GcodeBlock& block) {
   block_is_machine_ = false;
   if (block.has_code(GcodeGroup::kNonModal, 530)) {
     if (motion != nullptr && motion->code != 0 && motion->code != 10 && motion->code != 800)
-      throw GcodeFault{motion->text, "is not allowed in a block with G53"};
+      throw ProgramFault{motion->text, "is not allowed in a block with G53"};
     block_is_machine_ = motion == nullptr || motion->code != 0;
     block.drop(GcodeGroup::kMotion);
     block.codes.emplace_back(GcodeGroup::kMotion, GcodeCode{0, "G53"});
@@ -320,7 +322,7 @@ double GcodeMachine::offset_register_mm(const GcodeWord* d) {
   const ToolTableEntry* loaded = tool(loaded_tool_);
   if (loaded == nullptr) {
     if (setup_.tools.size() != 1)
-      throw GcodeFault{d != nullptr ? d->text : "", "cutter compensation requires a loaded tool"};
+      throw ProgramFault{d != nullptr ? d->text : "", "cutter compensation requires a loaded tool"};
     loaded = &setup_.tools.begin()->second;
   }
   warn_once("D",

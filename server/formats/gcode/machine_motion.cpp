@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/machine.h"
 #include "server/formats/units.h"
 
@@ -90,7 +90,7 @@ void GcodeMachine::read_polar(GcodeBlock& block, GcodeAxes& to) {
   const auto angle = block.take('^');
   if (!distance && !angle) return;
   if (to[0] == 0 && to[1] == 0 && (modes_.incremental || !angle))
-    throw GcodeFault{"", "polar coordinates from the origin require both @ and ^ and G90"};
+    throw ProgramFault{"", "polar coordinates from the origin require both @ and ^ and G90"};
   double radius = std::hypot(to[0], to[1]);
   double turn = std::atan2(to[1], to[0]);
   if (modes_.incremental) {
@@ -106,7 +106,7 @@ void GcodeMachine::read_polar(GcodeBlock& block, GcodeAxes& to) {
 
 // Reads the target of G53, in machine coordinates.
 GcodeAxes GcodeMachine::read_machine_target(GcodeBlock& block) {
-  if (block.has_any(kPolarLetters)) throw GcodeFault{"G53", "does not take polar coordinates"};
+  if (block.has_any(kPolarLetters)) throw ProgramFault{"G53", "does not take polar coordinates"};
   GcodeAxes target = frame_.absolute(at_);
   for (std::size_t i = 0; i < target.size(); ++i) {
     const auto value = block.take(kAxisLetters[i]);
@@ -124,11 +124,11 @@ Vec3 GcodeMachine::read_tool_axis(GcodeBlock& block) {
   const auto j = block.take('j');
   const auto k = block.take('k');
   if (!i && !j && !k) return tool_axis_;
-  if (!i || !j || !k) throw GcodeFault{"I J K", "the tool axis requires all three of I, J and K"};
+  if (!i || !j || !k) throw ProgramFault{"I J K", "the tool axis requires all three of I, J and K"};
   const Vec3 axis{*i, *j, *k};
   const double size = length(axis);
   if (!(size > 1e-6) || !std::isfinite(size))
-    throw GcodeFault{"I J K", "the tool axis must be a finite vector other than 0 0 0"};
+    throw ProgramFault{"I J K", "the tool axis must be a finite vector other than 0 0 0"};
   return axis;
 }
 
@@ -142,9 +142,10 @@ void GcodeMachine::straight(GcodeBlock& block, int code) {
   if (in_machine) {
     reject_compensated(*block.code(GcodeGroup::kNonModal));
     if (!is_rapid && !setup_.machine_zero_known)
-      throw GcodeFault{"G53",
-                       "requires G0 unless a parameter file is given, because the machine zero is "
-                       "not known"};
+      throw ProgramFault{
+          "G53",
+          "requires G0 unless a parameter file is given, because the machine zero is "
+          "not known"};
   }
   const GcodeAxes to = in_machine ? read_machine_target(block) : read_target(block);
   if (setup_.tool_axis_words) tool_axis_ = read_tool_axis(block);
@@ -218,11 +219,12 @@ ArcCenter GcodeMachine::read_center(GcodeBlock& block) const {
       if (block.find(letter) != nullptr && block.find('r') != nullptr) block.take(letter);
   if (const auto radius = block.take('r')) {
     if (block.has_any(kCenterLetters) && !macros)
-      throw GcodeFault{block.find('r')->text, "excludes I, J and K; give either R or the center"};
-    if (*radius == 0) throw GcodeFault{block.find('r')->text, "the radius must not be 0"};
+      throw ProgramFault{block.find('r')->text, "excludes I, J and K; give either R or the center"};
+    if (*radius == 0) throw ProgramFault{block.find('r')->text, "the radius must not be 0"};
     const std::string_view ends = plane_letters(modes_.plane).substr(0, 2);
     if (!block.has_any(ends) && !block.has_any(kPolarLetters))
-      throw GcodeFault{block.find('r')->text, "requires an end coordinate in the plane of the arc"};
+      throw ProgramFault{block.find('r')->text,
+                         "requires an end coordinate in the plane of the arc"};
     center.radius = *radius * modes_.unit_mm;
     return center;
   }
@@ -235,12 +237,12 @@ ArcCenter GcodeMachine::read_center(GcodeBlock& block) const {
     if (macros && word->value == 0)
       block.take(letter);
     else
-      throw GcodeFault{word->text, "is not a center coordinate of the active plane"};
+      throw ProgramFault{word->text, "is not a center coordinate of the active plane"};
   }
-  if (!block.has_any(letters)) throw GcodeFault{"", "an arc requires R or the center as I, J, K"};
+  if (!block.has_any(letters)) throw ProgramFault{"", "an arc requires R or the center as I, J, K"};
   if (modes_.arc_absolute &&
       (block.find(letters[0]) == nullptr || block.find(letters[1]) == nullptr))
-    throw GcodeFault{"G90.1", "requires both coordinates of the arc's center"};
+    throw ProgramFault{"G90.1", "requires both coordinates of the arc's center"};
   center.ijk = {block.take('i').value_or(0) * modes_.unit_mm,
                 block.take('j').value_or(0) * modes_.unit_mm,
                 block.take('k').value_or(0) * modes_.unit_mm};
@@ -249,14 +251,14 @@ ArcCenter GcodeMachine::read_center(GcodeBlock& block) const {
 
 void GcodeMachine::arc(GcodeBlock& block, bool clockwise) {
   if (arc_rejected_)
-    throw GcodeFault{"", "the first move after cutter compensation (G40) must be straight"};
+    throw ProgramFault{"", "the first move after cutter compensation (G40) must be straight"};
   require_feed(block);
   const ArcCenter center = read_center(block);
   int turns = 1;
   if (const auto p = block.take('p')) {
     if (*p < 1 || *p > kTurnsMax || *p != std::floor(*p))
-      throw GcodeFault{block.find('p')->text,
-                       "the number of turns must be an integer from 1 to 1000"};
+      throw ProgramFault{block.find('p')->text,
+                         "the number of turns must be an integer from 1 to 1000"};
     turns = static_cast<int>(*p);
   }
   const Named named = named_axes(block);
@@ -267,7 +269,8 @@ void GcodeMachine::arc(GcodeBlock& block, bool clockwise) {
     return std::abs(frame_.scale[static_cast<std::size_t>(axis - 'x')]);
   };
   if (scale(ends[0]) != scale(ends[1]))
-    throw GcodeFault{"", "an arc with unequal scale factors is no circle, which is not supported"};
+    throw ProgramFault{"",
+                       "an arc with unequal scale factors is no circle, which is not supported"};
   const double tolerance = modes_.unit_mm == 1 ? kSpiralToleranceMm : kSpiralToleranceInchMm;
   if (compensation_.active()) {
     CompensatedInfo info{

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/expression.h"
-#include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/machine.h"
 
 namespace kerf {
@@ -121,9 +121,9 @@ void GcodeMachine::follow_assigned_origin() {
   if (origin == frame_.origin) return;
   const std::string name = "#" + std::to_string(system_parameter(modes_.system));
   if (compensation_.on() || untransformed_)
-    throw GcodeFault{name,
-                     "and its neighbors hold the active work offset, which may not be assigned "
-                     "while cutter compensation, rotation, scaling or a mirror image is on"};
+    throw ProgramFault{name,
+                       "and its neighbors hold the active work offset, which may not be assigned "
+                       "while cutter compensation, rotation, scaling or a mirror image is on"};
   require_no_corner();
   change_frame({origin, frame_.shift, frame_.rotation_deg});
 }
@@ -140,10 +140,11 @@ void GcodeMachine::set_system(GcodeBlock& block) {
   const GcodeCode& written = *block.code(GcodeGroup::kNonModal);
   const bool here = *block.take('l') == 20;
   const auto number = block.take('p');
-  if (!number) throw GcodeFault{written.text, "requires P, the number of the coordinate system"};
+  if (!number) throw ProgramFault{written.text, "requires P, the number of the coordinate system"};
   const int last = setup_.rules.macros ? 9 + kMoreSystemsMax : 9;
   if (!is_gcode_integer(*number) || *number < -0.5 || *number > last + 0.5)
-    throw GcodeFault{block.find('p')->text, "must be an integer from 0 to " + std::to_string(last)};
+    throw ProgramFault{block.find('p')->text,
+                       "must be an integer from 0 to " + std::to_string(last)};
   const int requested = static_cast<int>(std::lround(*number));
   const int system = requested == 0 ? modes_.system : requested;
   if (system == modes_.system) reject_compensated(written);
@@ -227,7 +228,7 @@ void GcodeMachine::execute_nonmodal(GcodeBlock& block) {
       block.take('l');
       return set_tool_entry(block, l);
     }
-    throw GcodeFault{code->text, "requires L1, L2, L10, L11 or L20"};
+    throw ProgramFault{code->text, "requires L1, L2, L10, L11 or L20"};
   }
   reject_compensated(*code);
   if (code->code == 280 || code->code == 300) return go_home(block, code->code);

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/expression.h"
-#include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/machine.h"
 #include "server/formats/number_text.h"
 
@@ -17,7 +17,7 @@ constexpr std::size_t kOutlineMovesMax = 10'000;
 /// Greatest distance between the ends of a closed outline.
 constexpr double kClosedMm = 0.01;
 
-GcodeFault fault(const std::string& reason) { return GcodeFault{"G150", reason}; }
+ProgramFault fault(const std::string& reason) { return ProgramFault{"G150", reason}; }
 
 std::string text_of(double x_mm, double y_mm, double unit_mm) {
   return "X" + decimal_text(x_mm / unit_mm, 6) + " Y" + decimal_text(y_mm / unit_mm, 6);
@@ -30,7 +30,7 @@ void GcodeMachine::take_outline_side(GcodeBlock& block) {
   outline_side_ = 0;
   const GcodeCode* side = block.code(GcodeGroup::kCutterCompensation);
   if (side == nullptr || side->code == 400) return;
-  if (reads_outline()) throw GcodeFault{side->text, "belongs into the block of G150"};
+  if (reads_outline()) throw ProgramFault{side->text, "belongs into the block of G150"};
   if (!block.has_code(GcodeGroup::kMotion, 1500)) return;
   outline_side_ = side->code < 420 ? 1 : -1;
   block.drop(GcodeGroup::kCutterCompensation);
@@ -54,7 +54,7 @@ void GcodeMachine::begin_outline(GcodeBlock& block) {
   MilledPocket pocket;
   const GcodeWord& program = *block.find('p');
   if (!is_gcode_integer(program.value) || program.value < 1 || program.value > kProgramMax)
-    throw GcodeFault{program.text, "must be the number of the program that states the outline"};
+    throw ProgramFault{program.text, "must be the number of the program that states the outline"};
   pocket.program = static_cast<int>(std::lround(program.value));
   block.take('p');
   pocket.start = at_;

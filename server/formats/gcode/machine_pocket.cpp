@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/expression.h"
-#include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/machine.h"
 #include "server/formats/units.h"
 
@@ -16,7 +16,7 @@ constexpr int kPassesMax = 10'000, kHolesMax = 10'000;
 
 int count_of(const GcodeWord& word, int most) {
   if (!is_gcode_integer(word.value) || word.value < 0.5 || word.value > most + 0.5)
-    throw GcodeFault{word.text, "must be an integer from 1 to " + std::to_string(most)};
+    throw ProgramFault{word.text, "must be an integer from 1 to " + std::to_string(most)};
   return static_cast<int>(std::lround(word.value));
 }
 
@@ -46,22 +46,22 @@ void GcodeMachine::circular_pocket(GcodeBlock& block, bool clockwise) {
   const GcodeCode& written = *block.code(GcodeGroup::kMotion);
   reject_compensated(written);
   if (modes_.plane != ArcPlane::kXy || std::abs(frame_.scale[0]) != std::abs(frame_.scale[1]))
-    throw GcodeFault{written.text, "requires the plane XY (G17) and equal scale factors"};
+    throw ProgramFault{written.text, "requires the plane XY (G17) and equal scale factors"};
   if (modes_.feed_mode == GcodeFeedMode::kInverseTime)
-    throw GcodeFault{written.text, "is not allowed in inverse time mode (G93)"};
+    throw ProgramFault{written.text, "is not allowed in inverse time mode (G93)"};
   if (block.has_any("xy"))
-    throw GcodeFault{written.text, "begins at the center: move there in the block before"};
+    throw ProgramFault{written.text, "begins at the center: move there in the block before"};
   require_feed(block);
   const auto mm = [&](char letter) { return block.take(letter).value_or(0) * modes_.unit_mm; };
   const double first = mm('i'), step = mm('q'), last = std::max(first, mm('k'));
   const GcodeWord* repeated = block.find('l');
   const int repeats = repeated != nullptr ? count_of(*repeated, kPassesMax) : 1;
   block.take('l');
-  if (!(first > 0)) throw GcodeFault{written.text, "requires I, the radius of the circle"};
+  if (!(first > 0)) throw ProgramFault{written.text, "requires I, the radius of the circle"};
   if (last > first && !((last - first) / step < kPassesMax && step > 0))
-    throw GcodeFault{written.text, "requires Q, the step from I to K, above 0"};
+    throw ProgramFault{written.text, "requires Q, the step from I to K, above 0"};
   const double offset = pocket_offset_mm(block);
-  if (first <= offset) throw GcodeFault{written.text, "I is not larger than the tool's radius"};
+  if (first <= offset) throw ProgramFault{written.text, "I is not larger than the tool's radius"};
   if (setup_.rules.dialect == Dialect::kHaas && first - offset > offset)
     warn_once("G12", "the path from the center to the circle of " + written.text +
                          " is taken as half a circle; it cuts there, and I is more than the tool's "
@@ -113,10 +113,10 @@ bool GcodeMachine::begin_pattern(GcodeBlock& block, const GcodeCode& code) {
   const GcodeCode* motion = block.code(GcodeGroup::kMotion);
   const int cycle = motion != nullptr ? motion->code : modes_.motion;
   if (!is_canned_cycle(cycle))
-    throw GcodeFault{code.text, "requires an active canned cycle (G73, G74, G81 to G89)"};
+    throw ProgramFault{code.text, "requires an active canned cycle (G73, G74, G81 to G89)"};
   if (modes_.plane != ArcPlane::kXy || block.has_any("xy"))
-    throw GcodeFault{code.text,
-                     "is supported in the plane XY, about the position of the block before"};
+    throw ProgramFault{code.text,
+                       "is supported in the plane XY, about the position of the block before"};
   const int holes = count_of(*count, kHolesMax);
   const double start = block.find('j') != nullptr ? block.find('j')->value : 0;
   const double between = circle ? 360.0 / holes : line ? 0 : spacing->value;

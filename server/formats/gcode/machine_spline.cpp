@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/machine.h"
 
 namespace kerf {
@@ -13,17 +13,18 @@ namespace kerf {
 // from the end.
 void GcodeMachine::spline(GcodeBlock& block, bool cubic) {
   if (compensation_.on())
-    throw GcodeFault{"",
-                     "a spline is not allowed while cutter compensation is on; program G40 first"};
+    throw ProgramFault{
+        "", "a spline is not allowed while cutter compensation is on; program G40 first"};
   require_feed(block);
   if (modes_.plane != ArcPlane::kXy || block.has_any("zabc"))
-    throw GcodeFault{"", "a spline requires the plane XY (G17) and moves X and Y only"};
+    throw ProgramFault{"", "a spline requires the plane XY (G17) and moves X and Y only"};
   const auto i = block.take('i');
   const auto j = block.take('j');
   if (i.has_value() != j.has_value() || (!cubic && !i))
-    throw GcodeFault{"", "a spline requires both I and J"};
+    throw ProgramFault{"", "a spline requires both I and J"};
   const bool chained = modes_.motion == 50;
-  if (cubic && !i && !chained) throw GcodeFault{"", "the first of consecutive G5 requires I and J"};
+  if (cubic && !i && !chained)
+    throw ProgramFault{"", "the first of consecutive G5 requires I and J"};
   const double unit = modes_.unit_mm;
   const Vec3 first{at_[0] + (i ? *i * unit : spline_i_), at_[1] + (j ? *j * unit : spline_j_),
                    at_[2]};
@@ -33,7 +34,7 @@ void GcodeMachine::spline(GcodeBlock& block, bool cubic) {
   if (cubic) {
     const auto p = block.take('p');
     const auto q = block.take('q');
-    if (!p || !q) throw GcodeFault{"", "G5 requires both P and Q"};
+    if (!p || !q) throw ProgramFault{"", "G5 requires both P and Q"};
     points.insert(points.begin() + 1, Vec3{to[0] + *p * unit, to[1] + *q * unit, to[2]});
     spline_i_ = -*p * unit;
     spline_j_ = -*q * unit;
@@ -47,15 +48,15 @@ void GcodeMachine::spline(GcodeBlock& block, bool cubic) {
 // Feeds down at pitch times spindle speed, then back to the start.
 void GcodeMachine::tap(GcodeBlock& block) {
   if (compensation_.on())
-    throw GcodeFault{
+    throw ProgramFault{
         "", "rigid tapping is not allowed while cutter compensation is on; program G40 first"};
   const auto pitch = block.take('k');
-  if (!pitch) throw GcodeFault{"", "G33.1 requires K, the pitch"};
+  if (!pitch) throw ProgramFault{"", "G33.1 requires K, the pitch"};
   if (modes_.spindle == GcodeSpindle::kStopped || modes_.spindle_rpm <= 0)
-    throw GcodeFault{"", "G33.1 requires a turning spindle (M3 or M4) and a speed S above 0"};
+    throw ProgramFault{"", "G33.1 requires a turning spindle (M3 or M4) and a speed S above 0"};
   const double faster = std::max(1.0, block.take('i').value_or(1));
   const double feed_mm = std::abs(*pitch) * modes_.unit_mm * modes_.spindle_rpm;
-  if (!(feed_mm > 0)) throw GcodeFault{block.find('k')->text, "the pitch must not be 0"};
+  if (!(feed_mm > 0)) throw ProgramFault{block.find('k')->text, "the pitch must not be 0"};
   const auto named = named_axes(block);
   const GcodeAxes from = at_;
   const GcodeAxes to = read_target(block);

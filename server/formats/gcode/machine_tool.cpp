@@ -2,8 +2,8 @@
 // Tools of GcodeMachine: selection and change, tool offsets, and the start of cutter compensation.
 #include <cmath>
 
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/expression.h"
-#include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/machine.h"
 
 namespace kerf {
@@ -15,8 +15,8 @@ constexpr double kSamePlaceMm = 1e-6;
 
 int tool_integer(double value, int least, const GcodeWord& word) {
   if (!is_gcode_integer(value) || std::lround(value) < least)
-    throw GcodeFault{word.text, "must be an integer from " + std::to_string(least) + " to " +
-                                    std::to_string(kToolNumberMax)};
+    throw ProgramFault{word.text, "must be an integer from " + std::to_string(least) + " to " +
+                                      std::to_string(kToolNumberMax)};
   return static_cast<int>(std::lround(value));
 }
 
@@ -35,8 +35,9 @@ const ToolTableEntry& GcodeMachine::tool_of_word(const GcodeWord& word) const {
   const ToolTableEntry* entry = tool(number == 0 ? loaded_tool_ : number);
   if (entry != nullptr) return *entry;
   if (number == 0) return kEmptySpindle;
-  throw GcodeFault{word.text, std::string(setup_.tools_of_scene ? "the scene" : "the tool table") +
-                                  " has no tool " + std::to_string(number)};
+  throw ProgramFault{word.text,
+                     std::string(setup_.tools_of_scene ? "the scene" : "the tool table") +
+                         " has no tool " + std::to_string(number)};
 }
 
 void GcodeMachine::select_tool(GcodeBlock& block) {
@@ -52,7 +53,7 @@ void GcodeMachine::change_tool(GcodeBlock& block, int code) {
   const GcodeCode& written = *block.code(GcodeGroup::kToolChange);
   if (code == 61) {
     if (!block.take('q'))
-      throw GcodeFault{written.text, "requires Q, the number of the tool in the spindle"};
+      throw ProgramFault{written.text, "requires Q, the number of the tool in the spindle"};
     const GcodeWord& word = *block.find('q');
     if (tool_integer(word.value, 0, word) != 0) tool_of_word(word);
     loaded_tool_ = tool_integer(word.value, 0, word);
@@ -60,7 +61,7 @@ void GcodeMachine::change_tool(GcodeBlock& block, int code) {
     reject_compensated(written);
     if (!selected_tool_ && setup_.rules.macros)
       return warn_once(written.text, written.text + " names no tool (T) and is left out");
-    if (!selected_tool_) throw GcodeFault{written.text, "requires a tool selected with T"};
+    if (!selected_tool_) throw ProgramFault{written.text, "requires a tool selected with T"};
     loaded_tool_ = *selected_tool_;
     modes_.spindle = GcodeSpindle::kStopped;
   }
@@ -88,7 +89,8 @@ void GcodeMachine::publish_tool() {
 
 void GcodeMachine::offset_tool(GcodeBlock& block, int code) {
   if (code == 435 && !setup_.tool_axis_words)
-    throw GcodeFault{"G43.5", "requires a scene whose machine is tool-vector: I J K give the axis"};
+    throw ProgramFault{"G43.5",
+                       "requires a scene whose machine is tool-vector: I J K give the axis"};
   if (code == 435 || code == 2340) code = 434;
   control_tool_center(code == 434, tcp_by_m_code_);
   modes_.tool_length = code != 490;
@@ -98,7 +100,7 @@ void GcodeMachine::offset_tool(GcodeBlock& block, int code) {
     offset = tool_offset_;
     const bool by_number = code == 432 && block.take('h').has_value();
     if (code == 432 && by_number == block.has_any(kAxisLetters))
-      throw GcodeFault{"G43.2", "requires either H or axis words"};
+      throw ProgramFault{"G43.2", "requires either H or axis words"};
     if (by_number) return apply_tool_offset(offset + tool_of_word(*block.find('h')).offset);
     for (std::size_t i = 0; i < offset.size(); ++i) {
       const auto value = block.take(kAxisLetters[i]);
@@ -137,14 +139,14 @@ void GcodeMachine::apply_tool_offset(const GcodeAxes& offset) {
 // gets the given coordinates in the active coordinate system (L10) or in G59.3 (L11).
 void GcodeMachine::set_tool_entry(GcodeBlock& block, int kind) {
   const auto number = block.take('p');
-  if (!number) throw GcodeFault{"G10", "requires P, the number of the tool"};
+  if (!number) throw ProgramFault{"G10", "requires P, the number of the tool"};
   const GcodeWord& word = *block.find('p');
   const int tool_number = tool_integer(*number, 1, word);
   tool_of_word(word);
   ToolTableEntry& entry = setup_.tools[tool_number];
   if (!block.has_any(kAxisLetters) && !block.has_any("rqij"))
-    throw GcodeFault{"G10",
-                     "L" + std::to_string(kind) + " requires at least one of X Y Z A B C R Q I J"};
+    throw ProgramFault{
+        "G10", "L" + std::to_string(kind) + " requires at least one of X Y Z A B C R Q I J"};
   const GcodeAxes measured =
       kind == 1 ? GcodeAxes{} : measured_offset(block, kind == 11 ? 9 : modes_.system, entry);
   for (std::size_t i = 0; i < entry.offset.size(); ++i) {
@@ -161,7 +163,7 @@ void GcodeMachine::set_tool_entry(GcodeBlock& block, int kind) {
   if (const auto angle = block.take('j')) entry.back_angle_deg = *angle;
   if (const auto orientation = block.take('q')) {
     if (*orientation > 9)
-      throw GcodeFault{block.find('q')->text, "must be an orientation from 0 to 9"};
+      throw ProgramFault{block.find('q')->text, "must be an orientation from 0 to 9"};
     entry.orientation = tool_integer(*orientation, 0, *block.find('q'));
   }
   publish_tool();
@@ -200,12 +202,12 @@ void GcodeMachine::start_compensation(GcodeBlock& block, int code) {
   if (setup_.rules.macros && setup_.tools_of_scene && repeated) return;
   reject_compensated(written);
   if (modes_.plane == ArcPlane::kYz)
-    throw GcodeFault{written.text, "requires the plane XY (G17) or ZX (G18)"};
+    throw ProgramFault{written.text, "requires the plane XY (G17) or ZX (G18)"};
   const auto d = block.take('d');
   int orientation = 0;
   double diameter_mm = 0;
   if (code % 10 == 1) {
-    if (!d) throw GcodeFault{written.text, "requires D, the diameter"};
+    if (!d) throw ProgramFault{written.text, "requires D, the diameter"};
     diameter_mm = *d * modes_.unit_mm;
     if (const auto l = block.take('l')) orientation = tool_integer(*l, 0, *block.find('l'));
     block.take('r');
@@ -218,14 +220,14 @@ void GcodeMachine::start_compensation(GcodeBlock& block, int code) {
     orientation = entry.orientation;
   }
   if (orientation != 0 && orientation != 9)
-    throw GcodeFault{written.text, "is not supported for a lathe tool of orientation " +
-                                       std::to_string(orientation)};
+    throw ProgramFault{written.text, "is not supported for a lathe tool of orientation " +
+                                         std::to_string(orientation)};
   // Compensation works in programmed coordinates, and scaling does not change the tool.
   const std::size_t second = modes_.plane == ArcPlane::kXy ? 1 : 2;
   const double scale = std::abs(frame_.scale[0]);
   if (scale != std::abs(frame_.scale[second]))
-    throw GcodeFault{written.text,
-                     "is not supported with unequal scale factors: the tool would be an ellipse"};
+    throw ProgramFault{written.text,
+                       "is not supported with unequal scale factors: the tool would be an ellipse"};
   compensation_.start(code < 420 ? 1 : -1, diameter_mm / 2 / scale, modes_.plane);
 }
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/machine.h"
 
 namespace kerf {
@@ -17,7 +17,7 @@ constexpr double kThousandthsMin = 100;
 double factor_of(const GcodeWord& word) {
   if (word.text.find('.') != std::string::npos) return word.value;
   if (std::abs(word.value) < kThousandthsMin)
-    throw GcodeFault{word.text, "is ambiguous: write the factor with a point"};
+    throw ProgramFault{word.text, "is ambiguous: write the factor with a point"};
   return word.value / 1000;
 }
 
@@ -33,8 +33,8 @@ void GcodeMachine::transform(GcodeBlock& block) {
         special->code == 300)
       special = block.code(GcodeGroup::kShiftApplied);
     if (special != nullptr)
-      throw GcodeFault{special->text,
-                       "is not allowed while the program is rotated, scaled or mirrored"};
+      throw ProgramFault{special->text,
+                         "is not allowed while the program is rotated, scaled or mirrored"};
   }
   for (const GcodeGroup group :
        {GcodeGroup::kRotation, GcodeGroup::kScaling, GcodeGroup::kMirror}) {
@@ -46,7 +46,7 @@ void GcodeMachine::transform(GcodeBlock& block) {
     if (ends && (!untransformed_ || transform_group_ != group)) continue;
     const bool of_mach3 = setup_.rules.dialect == Dialect::kMach3 && group == GcodeGroup::kRotation;
     if (!setup_.rules.of_fanuc() && !of_mach3)
-      throw GcodeFault{code->text, "is not supported; its words differ between controls"};
+      throw ProgramFault{code->text, "is not supported; its words differ between controls"};
     reject_compensated(*code);
     require_no_corner();
     if (ends && group != GcodeGroup::kMirror) {
@@ -78,17 +78,17 @@ void GcodeMachine::set_transform(const GcodeFrame& frame) {
 void GcodeMachine::rotate_program(GcodeBlock& block) {
   const GcodeCode& written = *block.code(GcodeGroup::kRotation);
   if (modes_.plane != ArcPlane::kXy)
-    throw GcodeFault{written.text, "is supported in the plane XY (G17) only"};
+    throw ProgramFault{written.text, "is supported in the plane XY (G17) only"};
   if (frame_.scale != GcodeFrame{}.scale)
-    throw GcodeFault{written.text, "is not supported together with scaling or a mirror image"};
+    throw ProgramFault{written.text, "is not supported together with scaling or a mirror image"};
   if (modes_.incremental || block.has_any("zijk"))
-    throw GcodeFault{written.text, "is supported with G90 and X, Y and R only"};
+    throw ProgramFault{written.text, "is supported with G90 and X, Y and R only"};
   const GcodeFrame base = untransformed_.value_or(frame_);
   const GcodeAxes here = base.programmed(frame_.absolute(at_));
   const auto x = block.take('x');
   const auto y = block.take('y');
   const auto angle = block.take('r');
-  if (!angle) throw GcodeFault{written.text, "requires R, the angle in degrees"};
+  if (!angle) throw ProgramFault{written.text, "requires R, the angle in degrees"};
   const double cx = x ? *x * modes_.unit_mm : here[0];
   const double cy = y ? *y * modes_.unit_mm : here[1];
   // Turned about c, then shifted, then the system's own rotation.
@@ -107,9 +107,9 @@ void GcodeMachine::rotate_program(GcodeBlock& block) {
 void GcodeMachine::scale_program(GcodeBlock& block) {
   const GcodeCode& written = *block.code(GcodeGroup::kScaling);
   if (untransformed_)
-    throw GcodeFault{written.text,
-                     "is not supported while the program is already rotated, scaled "
-                     "or mirrored; cancel that first"};
+    throw ProgramFault{written.text,
+                       "is not supported while the program is already rotated, scaled "
+                       "or mirrored; cancel that first"};
   GcodeFrame frame = frame_;
   const GcodeWord* common = block.find('p');
   block.take('p');
@@ -119,11 +119,11 @@ void GcodeMachine::scale_program(GcodeBlock& block) {
     const auto center = block.take(kAxisLetters[i]);
     if (factor == nullptr) continue;
     const double s = factor_of(*factor);
-    if (s == 0) throw GcodeFault{factor->text, "must not be 0"};
+    if (s == 0) throw ProgramFault{factor->text, "must not be 0"};
     if (i == 2 && s != 1)
-      throw GcodeFault{factor->text, "scales Z, which is not supported; give I and J"};
+      throw ProgramFault{factor->text, "scales Z, which is not supported; give I and J"};
     if (!center && s != 1)
-      throw GcodeFault{written.text, "requires X and Y, the center of the scaling"};
+      throw ProgramFault{written.text, "requires X and Y, the center of the scaling"};
     frame.scale[i] = s;
     frame.shift[i] += center.value_or(0) * modes_.unit_mm * (1 - s);
   }
@@ -137,7 +137,7 @@ void GcodeMachine::scale_program(GcodeBlock& block) {
 void GcodeMachine::take_mirror_end(GcodeBlock& block, const GcodeCode& code) {
   if (!block.has_any("xyzabc")) return;
   if (block.code(GcodeGroup::kMotion) != nullptr)
-    throw GcodeFault{code.text, "with axes requires a block without a motion code"};
+    throw ProgramFault{code.text, "with axes requires a block without a motion code"};
   block.take('x');
   block.take('y');
   block_motion_ = -1;
@@ -146,20 +146,20 @@ void GcodeMachine::take_mirror_end(GcodeBlock& block, const GcodeCode& code) {
 // G51.1 X0: X is mirrored at X0. G50.1 and G100 cancel the mirror of their axes, or of all.
 void GcodeMachine::mirror_program(GcodeBlock& block, int code) {
   const GcodeCode& written = *block.code(GcodeGroup::kMirror);
-  if (block.has_any("zabc")) throw GcodeFault{written.text, "is supported for X and Y only"};
+  if (block.has_any("zabc")) throw ProgramFault{written.text, "is supported for X and Y only"};
   if (ends_transform(code)) {
     const bool x = block.find('x') != nullptr, y = block.find('y') != nullptr;
     const bool keeps_x = frame_.scale[0] < 0 && !x && y, keeps_y = frame_.scale[1] < 0 && !y && x;
     if (keeps_x && frame_.scale[1] > 0) return;
     if (keeps_y && frame_.scale[0] > 0) return;
     if (keeps_x || keeps_y)
-      throw GcodeFault{written.text, "is supported for all mirrored axes at once only"};
+      throw ProgramFault{written.text, "is supported for all mirrored axes at once only"};
     end_transform();
   } else {
     if (untransformed_)
-      throw GcodeFault{written.text,
-                       "is not supported while the program is already rotated, "
-                       "scaled or mirrored; give all axes in one block"};
+      throw ProgramFault{written.text,
+                         "is not supported while the program is already rotated, "
+                         "scaled or mirrored; give all axes in one block"};
     GcodeFrame frame = frame_;
     for (std::size_t i = 0; i < 2; ++i) {
       const auto at = block.take(kAxisLetters[i]);
@@ -182,9 +182,9 @@ void GcodeMachine::check_after_transform(const GcodeBlock& block) {
   const GcodeCode* special = block.code(GcodeGroup::kNonModal);
   const bool away = special != nullptr && (special->code == 280 || special->code == 300);
   if (!away && (!x || !y || modes_.incremental))
-    throw GcodeFault{"",
-                     "the first move after a rotation, scaling or mirror image must name both X "
-                     "and Y with G90"};
+    throw ProgramFault{"",
+                       "the first move after a rotation, scaling or mirror image must name both X "
+                       "and Y with G90"};
   transform_moved_ = false;
 }
 

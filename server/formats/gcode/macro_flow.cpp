@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/expression.h"
-#include "server/formats/gcode/fault.h"
 #include "server/formats/letter_case.h"
 
 namespace kerf {
@@ -19,7 +19,7 @@ constexpr int kRepeatsMax = 1'000'000;
 
 int integer(double value, const std::string& text, int least, int most) {
   if (!is_gcode_integer(value) || value < least - 0.5 || value > most + 0.5)
-    throw GcodeFault{
+    throw ProgramFault{
         text, "must be an integer from " + std::to_string(least) + " to " + std::to_string(most)};
   return static_cast<int>(std::lround(value));
 }
@@ -42,10 +42,10 @@ class IjkArguments {
     }
     for (std::size_t later = place + 1; later < given_.size(); ++later)
       if (given_[later])
-        throw GcodeFault{text, "is out of order: arguments I, J and K must have this order"};
+        throw ProgramFault{text, "is out of order: arguments I, J and K must have this order"};
     given_[place] = true;
     const int variable = 4 + 3 * group_ + static_cast<int>(place);
-    if (variable > kMacroLocalParameters) throw GcodeFault{text, "is one argument too many"};
+    if (variable > kMacroLocalParameters) throw ProgramFault{text, "is one argument too many"};
     return variable;
   }
 
@@ -72,9 +72,9 @@ std::string_view MacroFlow::line_text() const {
 void MacroFlow::count_line() {
   const bool idle = ++idle_ > kGcodeIdleLinesMax;
   if (++passed_ > lines_max_ || idle)
-    throw GcodeFault{"", "the program does not end: it has executed " +
-                             std::to_string(idle ? kGcodeIdleLinesMax : lines_max_) +
-                             (idle ? " lines without a motion" : " lines")};
+    throw ProgramFault{"", "the program does not end: it has executed " +
+                               std::to_string(idle ? kGcodeIdleLinesMax : lines_max_) +
+                               (idle ? " lines without a motion" : " lines")};
 }
 
 std::optional<GcodeLine> MacroFlow::next() {
@@ -83,7 +83,7 @@ std::optional<GcodeLine> MacroFlow::next() {
     const GcodeFile& file = source_.file(at_.file);
     if (at_.line >= file.lines.size()) {
       if (frames_.empty()) return std::nullopt;
-      throw GcodeFault{"", "the file ends within a subprogram; M99 is missing"};
+      throw ProgramFault{"", "the file ends within a subprogram; M99 is missing"};
     }
     const std::string_view text = file.lines[at_.line];
     line_ = ++at_.line;
@@ -102,7 +102,7 @@ std::optional<GcodeLine> MacroFlow::next() {
     if (leading_number(code, "o:", code)) {
       // The next program of the file begins: the main program has ended.
       if (frames_.empty() && std::exchange(header_seen_, true)) return ended_ = true, std::nullopt;
-      if (!frames_.empty()) throw GcodeFault{"", "the subprogram ends without M99"};
+      if (!frames_.empty()) throw ProgramFault{"", "the subprogram ends without M99"};
       started_ = true;
       continue;  // the program's name follows the number
     }
@@ -156,7 +156,7 @@ std::optional<std::string> MacroFlow::branch(const std::string& code) {
     return std::nullopt;
   }
   reader.accept("then");
-  if (reader.done()) throw GcodeFault{to_upper(code), "requires GOTO or a statement on its line"};
+  if (reader.done()) throw ProgramFault{to_upper(code), "requires GOTO or a statement on its line"};
   return code.substr(reader.position());
 }
 
@@ -167,25 +167,25 @@ void MacroFlow::loop(const std::string& code) {
   if (reader.accept("end")) {
     const int number = integer(reader.value(), text, 1, 9);
     const auto start = source_.file(at_.file).marks().start_of(number, here);
-    if (!start) throw GcodeFault{text, "has no matching DO"};
+    if (!start) throw ProgramFault{text, "has no matching DO"};
     at_.line = *start;
     return;
   }
   bool holds = true;
   if (reader.accept("while") || reader.accept("wh")) holds = reader.bracket() == 1;
-  if (!reader.accept("do")) throw GcodeFault{text, "requires DO with a number"};
+  if (!reader.accept("do")) throw ProgramFault{text, "requires DO with a number"};
   const int number = integer(reader.value(), text, 1, 9);
   const auto end = source_.file(at_.file).marks().end_of(number, here);
-  if (!end) throw GcodeFault{text, "has no matching END"};
+  if (!end) throw ProgramFault{text, "has no matching END"};
   if (!holds) at_.line = *end + 1;
 }
 
 void MacroFlow::jump(int sequence, const std::string& text) {
   const auto line = source_.file(at_.file).marks().sequence(sequence, at_.line - 1);
   if (!line)
-    throw GcodeFault{text, "jumps to N" + std::to_string(sequence) +
-                               ", which the program "
-                               "does not have"};
+    throw ProgramFault{text, "jumps to N" + std::to_string(sequence) +
+                                 ", which the program "
+                                 "does not have"};
   at_.line = *line;
 }
 
@@ -215,7 +215,7 @@ std::optional<MacroFlow::Call> MacroFlow::take_call(GcodeBlock& block) {
   };
   const auto number = take('p', 1, 999'999'999);
   if (!number && call.kind != Call::Kind::kReturn)
-    throw GcodeFault{call.text, "requires P, the number of the program to call"};
+    throw ProgramFault{call.text, "requires P, the number of the program to call"};
   call.number = number.value_or(0);
   call.repeats = take('l', 0, kRepeatsMax).value_or(1);
   return call;
@@ -248,10 +248,10 @@ std::optional<MacroFlow::Call> MacroFlow::read_macro_call(std::string_view code)
       const int at = grouped ? ijk.variable_of(letter, text) : variable;
       call.arguments[static_cast<std::size_t>(at - 1)] = value;
     } else {
-      throw GcodeFault{text, "is not an argument of a macro call"};
+      throw ProgramFault{text, "is not an argument of a macro call"};
     }
   }
-  if (call.number == 0) throw GcodeFault{call.text, "requires P, the number of the macro"};
+  if (call.number == 0) throw ProgramFault{call.text, "requires P, the number of the macro"};
   if (!parameters_.vacant())
     for (double& argument : call.arguments)
       if (std::isnan(argument)) argument = 0;
@@ -267,13 +267,13 @@ bool MacroFlow::execute(const Call& call) {
   }
   if (call.repeats == 0) return false;
   if (frames_.size() >= kMacroCallDepthMax)
-    throw GcodeFault{call.text, "calls are nested deeper than " +
-                                    std::to_string(kMacroCallDepthMax) + " levels"};
+    throw ProgramFault{call.text, "calls are nested deeper than " +
+                                      std::to_string(kMacroCallDepthMax) + " levels"};
   if (call.kind == Call::Kind::kLocal || call.kind == Call::Kind::kLocalElseSubprogram) {
     const auto line = source_.file(at_.file).marks().sequence(call.number, at_.line - 1);
     if (line) return enter({at_.file, *line}, call), false;
     if (call.kind == Call::Kind::kLocal)
-      throw GcodeFault{
+      throw ProgramFault{
           call.text, "calls N" + std::to_string(call.number) + ", which the program does not have"};
   }
   Call made = call;
@@ -283,8 +283,8 @@ bool MacroFlow::execute(const Call& call) {
     place = find_program(call.number % kProgramsOfFour);
   }
   if (!place)
-    throw GcodeFault{call.text, "calls O" + std::to_string(call.number) +
-                                    ", which is neither in the program nor in a file beside it"};
+    throw ProgramFault{call.text, "calls O" + std::to_string(call.number) +
+                                      ", which is neither in the program nor in a file beside it"};
   enter(*place, made);
   return false;
 }

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string_view>
 
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/expression.h"
-#include "server/formats/gcode/fault.h"
 #include "server/formats/letter_case.h"
 
 namespace kerf {
@@ -58,13 +58,14 @@ OWord read_m98(GcodeValueReader& reader, bool with_values) {
       word.name = std::to_string(reader.integer("the number of a program"));
     } else if (letter == 'l') {
       word.repeats = reader.integer("the number of calls");
-      if (word.repeats < 0) throw GcodeFault{"L", "must not be negative"};
+      if (word.repeats < 0) throw ProgramFault{"L", "must not be negative"};
     } else {
-      throw GcodeFault{std::string(1, letter), "is not allowed with M98, which takes P and L only"};
+      throw ProgramFault{std::string(1, letter),
+                         "is not allowed with M98, which takes P and L only"};
     }
   }
   if (with_values && word.name.empty())
-    throw GcodeFault{"M98", "requires P, the number of the program to call"};
+    throw ProgramFault{"M98", "requires P, the number of the program to call"};
   return word;
 }
 
@@ -78,12 +79,13 @@ void read_values(GcodeValueReader& reader, OWord& word) {
                                                           : 0;
   while (reader.peek() == '[') {
     if (word.values.size() == most)
-      throw GcodeFault{word.text, "takes at most " + std::to_string(most) + " values"};
+      throw ProgramFault{word.text, "takes at most " + std::to_string(most) + " values"};
     word.values.push_back(reader.bracket());
-    if (!std::isfinite(word.values.back())) throw GcodeFault{word.text, "has no finite value"};
+    if (!std::isfinite(word.values.back())) throw ProgramFault{word.text, "has no finite value"};
   }
-  if (condition && word.values.empty()) throw GcodeFault{word.text, "requires a value in brackets"};
-  if (!reader.done()) throw GcodeFault{word.text, "must not be followed by other words"};
+  if (condition && word.values.empty())
+    throw ProgramFault{word.text, "requires a value in brackets"};
+  if (!reader.done()) throw ProgramFault{word.text, "must not be followed by other words"};
 }
 
 }  // namespace
@@ -120,7 +122,7 @@ OWord read_o_word(const GcodeLine& line, const OWordContext& context, bool with_
     if (with_values) read_values(reader, word);
     return word;
   }
-  throw GcodeFault{label, "must be followed by a control flow keyword (sub, call, if, while, …)"};
+  throw ProgramFault{label, "must be followed by a control flow keyword (sub, call, if, while, …)"};
 }
 
 }  // namespace kerf

@@ -47,7 +47,7 @@ struct OWordContext {
 /// Returns whether a line is control flow. M99 is, if `within_subroutine`.
 bool is_o_word(const GcodeLine& line, bool within_subroutine);
 /// Reads a line of control flow. Without `with_values` it reads only name and keyword, for lines
-/// that are skipped. Throws GcodeFault.
+/// that are skipped. Throws ProgramFault.
 OWord read_o_word(const GcodeLine& line, const OWordContext& context, bool with_values);
 
 }  // namespace kerf

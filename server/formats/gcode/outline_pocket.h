@@ -35,8 +35,8 @@ class OutlinePocket {
   /// along the outline clear everything that the tool reaches. Error: too many strokes.
   std::expected<std::vector<OutlineStroke>, std::string> strokes(double step, bool along_x) const;
   /// The loop of the center along the outline as cutter compensation makes it: stops at the
-  /// intersection of inside corners, rounds outside corners. Throws GcodeFault if the tool does not
-  /// fit.
+  /// intersection of inside corners, rounds outside corners. Throws ProgramFault if the tool does
+  /// not fit.
   AreaPath loop() const;
 
  private:

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 
 namespace kerf {
 
@@ -66,7 +66,7 @@ std::optional<double> GcodeParameters::named(const std::string& name) const {
 
 void GcodeParameters::set(const std::string& name, double value) {
   if (name.starts_with('_') && predefined_ && predefined_(name))
-    throw GcodeFault{"#<" + name + ">", "is read-only: it holds a state of the machine"};
+    throw ProgramFault{"#<" + name + ">", "is read-only: it holds a state of the machine"};
   auto& scope = scope_of(name);
   const auto it = scope.find(name);
   if (it != scope.end()) {
@@ -74,8 +74,8 @@ void GcodeParameters::set(const std::string& name, double value) {
     return;
   }
   if (scope.size() >= kGcodeNamesMax)
-    throw GcodeFault{"#<" + name + ">", "exceeds the limit of " + std::to_string(kGcodeNamesMax) +
-                                            " names in one scope"};
+    throw ProgramFault{"#<" + name + ">", "exceeds the limit of " + std::to_string(kGcodeNamesMax) +
+                                              " names in one scope"};
   scope.emplace(name, value);
 }
 

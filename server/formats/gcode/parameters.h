@@ -54,7 +54,7 @@ inline constexpr int kDebug = 5599;
 
 /// The #-parameters of a running program. Numbered parameters are 0 until assigned. Named ones do
 /// not exist until assigned. Names with a leading '_' are global, all other names local to the
-/// subroutine that assigns them. Throws GcodeFault.
+/// subroutine that assigns them. Throws ProgramFault.
 class GcodeParameters {
  public:
   /// Returns the value of a predefined parameter (#<_x>, #<_feed>, …), or nullopt for other names.

@@ -16,7 +16,7 @@ inline constexpr std::size_t kGcodeIdleLinesMax = 1'000'000;
 /// Lines of control flow per step, so that the caller can do other work between steps.
 inline constexpr std::size_t kGcodeLinesPerStep = 256;
 
-/// Control flow of a program: returns its lines in order of execution. Throws GcodeFault; file()
+/// Control flow of a program: returns its lines in order of execution. Throws ProgramFault; file()
 /// and line() are the position of the error.
 class ProgramFlow {
  public:

@@ -5,10 +5,10 @@
 #include <memory>
 #include <utility>
 
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/assumed_unit.h"
 #include "server/formats/gcode/compensation.h"
 #include "server/formats/gcode/dialect_choice.h"
-#include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/runner.h"
 #include "server/formats/gcode/tool_path.h"
 #include "server/formats/gcode/turning.h"
@@ -76,7 +76,7 @@ std::expected<GcodeRun, ProgramError> run_gcode(
   GcodeRunner runner(source, environment, std::move(setup), canon, warn);
   try {
     while (runner.step()) continue;
-  } catch (const GcodeFault& fault) {
+  } catch (const ProgramFault& fault) {
     return std::unexpected(runner.error_of(fault));
   }
   return GcodeRun{.lines = runner.line(), .files = source->names()};
@@ -135,7 +135,7 @@ class GcodeReader final : public ProgramReader {
     } else {
       try {
         runs_ = runner_.step();
-      } catch (const GcodeFault& fault) {
+      } catch (const ProgramFault& fault) {
         return std::unexpected(error_of(fault));
       }
     }
@@ -147,7 +147,7 @@ class GcodeReader final : public ProgramReader {
 
  private:
   // Pending motions precede the fault, and may be invalid too.
-  ProgramError error_of(const GcodeFault& fault) {
+  ProgramError error_of(const ProgramFault& fault) {
     while (sink_.waits()) {
       if (auto error = follow_path()) return *std::move(error);
       program_.motions.clear();

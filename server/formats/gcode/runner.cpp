@@ -92,9 +92,9 @@ bool GcodeRunner::execute(const GcodeLine& line) {
   machine_.at_line(flow_->file(), flow_->line());
   block_ = parse_gcode_block(line.code, parameters_, machine_.position_readable());
   if (comment.starts_with("abort,"))
-    throw GcodeFault{"(" + line.comment + ")", "aborts the program"};
+    throw ProgramFault{"(" + line.comment + ")", "aborts the program"};
   if (comment.starts_with("py,") || comment.starts_with("pyrun,"))
-    throw GcodeFault{"(" + line.comment + ")", "runs Python, which is not supported"};
+    throw ProgramFault{"(" + line.comment + ")", "runs Python, which is not supported"};
   remark(line.comment);
   machine_.begin(*block_);
   return go_on();
@@ -137,7 +137,7 @@ bool GcodeRunner::go_on() {
   return ended || (call && macro_flow_->execute(*call));
 }
 
-ProgramError GcodeRunner::error_of(const GcodeFault& fault) const {
+ProgramError GcodeRunner::error_of(const ProgramFault& fault) const {
   return {source_->file(flow_->file()).name, flow_->line(),
           fault.word.empty() ? trimmed_line(flow_->line_text()) : fault.word, fault.reason,
           std::string(rules_.label)};

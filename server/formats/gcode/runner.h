@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/canon.h"
 #include "server/formats/gcode/environment.h"
-#include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/machine.h"
 #include "server/formats/gcode/macro_flow.h"
 #include "server/formats/gcode/parameters.h"
@@ -29,10 +29,10 @@ class GcodeRunner {
               GcodeSetup setup, GcodeCanon& canon, Warn warn);
 
   /// Executes a line, a step of a cycle, or some lines of control flow. Returns false at the end of
-  /// the program. Throws GcodeFault.
+  /// the program. Throws ProgramFault.
   bool step();
   /// The error of a fault that step() has thrown.
-  ProgramError error_of(const GcodeFault& fault) const;
+  ProgramError error_of(const ProgramFault& fault) const;
   /// The last line read.
   std::size_t line() const { return flow_->line(); }
   const GcodeSource& source() const { return *source_; }

@@ -4,7 +4,7 @@
 #include <cctype>
 #include <utility>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/letter_case.h"
 #include "server/formats/text_file.h"
 
@@ -61,9 +61,10 @@ std::size_t GcodeSource::find(const std::string& subroutine) {
   if (const auto it = found_.find(subroutine); it != found_.end()) return it->second;
   // A name must not lead out of the folders.
   if (subroutine.find_first_of("/\\") != std::string::npos || subroutine.starts_with("."))
-    throw GcodeFault{"O<" + subroutine + ">",
-                     "is not allowed as the name of a subroutine file; it must not begin with '.' "
-                     "or contain / or \\"};
+    throw ProgramFault{
+        "O<" + subroutine + ">",
+        "is not allowed as the name of a subroutine file; it must not begin with '.' "
+        "or contain / or \\"};
   for (const std::filesystem::path& folder : folders_) {
     std::error_code error;
     std::filesystem::path path;
@@ -75,8 +76,8 @@ std::size_t GcodeSource::find(const std::string& subroutine) {
     if (path.empty()) continue;
     const auto size = std::filesystem::file_size(path, error);
     if (files_.size() >= kGcodeFilesMax || error || bytes_ + size > kGcodeFilesBytesMax)
-      throw GcodeFault{"O<" + subroutine + ">",
-                       "exceeds the limit of 1000 files and 256 MiB of subroutine files"};
+      throw ProgramFault{"O<" + subroutine + ">",
+                         "exceeds the limit of 1000 files and 256 MiB of subroutine files"};
     auto text = read_file(path);
     if (!text) continue;
     bytes_ += text->size();

@@ -40,7 +40,7 @@ struct GcodeFile {
 };
 
 /// The text of a program and of its subroutine files, which are read on the first call. Throws
-/// GcodeFault.
+/// ProgramFault.
 class GcodeSource {
  public:
   /// `text` must outlive it. `folders` are searched, in order, for the subroutine files: a name

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "kernel/math/rotation.h"
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/parameters.h"
 #include "server/formats/number_text.h"
 #include "server/formats/pose_grid.h"
@@ -54,7 +54,7 @@ GcodeToolPath::GcodeToolPath(const Scene& scene, const GcodeEnvironment& environ
       workpiece_(workpiece_of(environment)) {}
 
 void GcodeToolPath::check(const MotionSink::Result& result) {
-  if (!result) throw GcodeFault{"", result.error()};
+  if (!result) throw ProgramFault{"", result.error()};
 }
 
 void GcodeToolPath::at_line(std::size_t file, std::size_t line) {
@@ -74,7 +74,7 @@ GcodePlace GcodeToolPath::in_workpiece(const GcodePlace& place) const {
 void GcodeToolPath::check_turn(const GcodePlace& to) const {
   for (std::size_t i = 3; i < 6; ++i)
     if (std::abs(to.axes[i] - at_.axes[i]) > kTurnInBlockMaxDeg)
-      throw GcodeFault{
+      throw ProgramFault{
           "", "a rotary axis would turn by " + decimal_text(to.axes[i] - at_.axes[i], 6) +
                   " degrees in one block; the limit is " + decimal_text(kTurnInBlockMaxDeg, 6)};
 }
@@ -104,9 +104,9 @@ bool GcodeToolPath::approach(const GcodePlace& to, bool rapid, std::array<bool, 
     return true;
   }
   if (tilted_since_)
-    throw GcodeFault{"", "X, Y and Z must be programmed with G0 before a cut in a new plane"};
+    throw ProgramFault{"", "X, Y and Z must be programmed with G0 before a cut in a new plane"};
   if (!sink_.tool())
-    throw GcodeFault{
+    throw ProgramFault{
         "",
         "no tool is loaded for this motion; load one with T and M6, or state the tool in "
         "the spindle: machine.spindle_tool of the scene"};
@@ -186,8 +186,8 @@ void GcodeToolPath::arc(const Arc& arc, const GcodeFrame& frame, const GcodePlac
   const double tolerance = scene_.settings.tolerance_mm;
   const int chords = arc.chords(tolerance / factor);
   if (chords > kPiecesMax)
-    throw GcodeFault{"", "the arc exceeds the limit of " + std::to_string(kPiecesMax) +
-                             " chords; raise tolerance_mm or reduce the turns (P)"};
+    throw ProgramFault{"", "the arc exceeds the limit of " + std::to_string(kPiecesMax) +
+                               " chords; raise tolerance_mm or reduce the turns (P)"};
   const GcodePlace from = at_;
   const auto path = [this, arc, frame, from, to, pose = poses()](double s) {
     if (s >= 1) return pose(to);
@@ -242,7 +242,7 @@ void GcodeToolPath::dwell(double seconds) { check(sink_.dwell(seconds, line_)); 
 
 void GcodeToolPath::change_tool(std::optional<ToolId> tool) {
   if (tool && !scene_.tools.contains(*tool))
-    throw GcodeFault{"", "the scene has no tool " + std::to_string(*tool)};
+    throw ProgramFault{"", "the scene has no tool " + std::to_string(*tool)};
   changed_tool_ = changed_tool_ || tool.has_value();  // T0 M6 alone names no tool of a scene
   sink_.change_tool(tool, line_);
   if (!tool) sink_.lift();

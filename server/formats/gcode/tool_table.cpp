@@ -5,8 +5,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/expression.h"
-#include "server/formats/gcode/fault.h"
 #include "server/formats/letter_case.h"
 #include "server/formats/number_text.h"
 #include "server/formats/scene.h"
@@ -24,16 +24,16 @@ double number(std::string_view word) {
   const auto read = number_of_chars(first, word.data() + word.size(), value);
   if (read.ec != std::errc{} || read.ptr != word.data() + word.size() ||
       !(std::abs(value) <= kValueMax))
-    throw GcodeFault{std::string(word), "must be a letter and a number of at most 1000000"};
+    throw ProgramFault{std::string(word), "must be a letter and a number of at most 1000000"};
   return value;
 }
 
 int integer(std::string_view word, double least, double most) {
   const double value = number(word);
   if (!is_gcode_integer(value) || value < least || value > most)
-    throw GcodeFault{std::string(word), "must be an integer from " +
-                                            std::to_string(static_cast<int>(least)) + " to " +
-                                            std::to_string(static_cast<int>(most))};
+    throw ProgramFault{std::string(word), "must be an integer from " +
+                                              std::to_string(static_cast<int>(least)) + " to " +
+                                              std::to_string(static_cast<int>(most))};
   return static_cast<int>(std::lround(value));
 }
 
@@ -67,10 +67,10 @@ void read_word(ToolTableEntry& tool, std::string_view word) {
     case 'V':
     case 'W':
       if (number(word) == 0) return;
-      throw GcodeFault{std::string(word), "is an offset of U, V or W, which are not supported"};
+      throw ProgramFault{std::string(word), "is an offset of U, V or W, which are not supported"};
     default:
-      throw GcodeFault{std::string(word),
-                       "is not a word of a tool table; use T P X Y Z A B C D I J Q"};
+      throw ProgramFault{std::string(word),
+                         "is not a word of a tool table; use T P X Y Z A B C D I J Q"};
   }
 }
 
@@ -88,12 +88,12 @@ void read_line(ToolTable& table, std::string_view line) {
   }
   if (!any) return;
   if (tool.number == 0)
-    throw GcodeFault{std::string(line), "requires a T word, the number of the tool"};
+    throw ProgramFault{std::string(line), "requires a T word, the number of the tool"};
   if (table.size() >= kToolTableMax)
-    throw GcodeFault{"",
-                     "the table exceeds the limit of " + std::to_string(kToolTableMax) + " tools"};
+    throw ProgramFault{
+        "", "the table exceeds the limit of " + std::to_string(kToolTableMax) + " tools"};
   if (!table.emplace(tool.number, tool).second)
-    throw GcodeFault{"T" + std::to_string(tool.number), "appears twice in the table"};
+    throw ProgramFault{"T" + std::to_string(tool.number), "appears twice in the table"};
 }
 
 }  // namespace
@@ -106,7 +106,7 @@ std::expected<ToolTable, ProgramError> read_tool_table(const std::string& name,
   while (lines.next()) {
     try {
       read_line(table, lines.line());
-    } catch (const GcodeFault& fault) {
+    } catch (const ProgramFault& fault) {
       return std::unexpected(ProgramError{name, lines.number(), fault.word, fault.reason});
     }
   }

@@ -155,8 +155,8 @@ KlartextBlocks::KlartextBlocks(std::string_view program) : program_(program) {
     const std::string label = label_of(walk.first_line());
     if (!label.empty()) labels_.emplace(label, size());
     if (labels_.size() > kKlartextLabelsMax)
-      throw KlartextFault{walk.block().text, "is one label too many: a program may have " +
-                                                 std::to_string(kKlartextLabelsMax)};
+      throw ProgramFault{walk.block().text, "is one label too many: a program may have " +
+                                                std::to_string(kKlartextLabelsMax)};
     places_.push_back(walk.at());
     lines_.push_back(static_cast<std::uint32_t>(walk.block().line));
   }

@@ -10,13 +10,9 @@
 #include <vector>
 
 #include "kernel/dexel/stock_shape.h"
+#include "server/formats/control/fault.h"
 
 namespace kerf {
-
-/// The exception of this folder: the invalid word and the reason. read_klartext adds file and line.
-struct KlartextFault {
-  std::string word, reason;
-};
 
 /// A block of a Klartext program: lines joined by "~", in upper case with single blanks, without
 /// block number and comment.
@@ -32,7 +28,7 @@ inline constexpr std::size_t kKlartextLabelsMax = 65'536;
 /// blocks and those with "/" are skipped.
 class KlartextBlocks {
  public:
-  /// `program` must outlive it. Throws KlartextFault for too many labels.
+  /// `program` must outlive it. Throws ProgramFault for too many labels.
   explicit KlartextBlocks(std::string_view program);
 
   std::size_t size() const { return lines_.size(); }

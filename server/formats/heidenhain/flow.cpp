@@ -28,7 +28,7 @@ const KlartextBlock* KlartextFlow::next() {
   following_ = 0;
   executed_ += 1 + block_.text.size() / kBlockBytes;
   if (executed_ > executed_max_)
-    throw KlartextFault{
+    throw ProgramFault{
         "", "the program executes more than " + std::to_string(executed_max_) + " blocks"};
   return &block_;
 }
@@ -63,14 +63,14 @@ void KlartextFlow::call(const std::string& rest) {
   const std::string label = trimmed(rest.substr(0, rep));
   if (rep == std::string::npos) {
     if (returns_.size() >= kCallsMax)
-      throw KlartextFault{"CALL LBL", "is nested deeper than " + std::to_string(kCallsMax)};
+      throw ProgramFault{"CALL LBL", "is nested deeper than " + std::to_string(kCallsMax)};
     returns_.push_back(next_);
     return jump(label);
   }
   const std::string count = trimmed(rest.substr(rep + 3));
   const double times = values_.of(trimmed(count.substr(0, count.find('/'))));
   if (!(times >= 0 && times <= kRepeatsMax))
-    throw KlartextFault{"REP", "must be from 0 to " + std::to_string(kRepeatsMax)};
+    throw ProgramFault{"REP", "must be from 0 to " + std::to_string(kRepeatsMax)};
   int& done = repeats_[current_];
   if (done >= static_cast<int>(times)) {
     done = 0;
@@ -82,7 +82,7 @@ void KlartextFlow::call(const std::string& rest) {
 
 void KlartextFlow::jump(const std::string& label) {
   const auto block = blocks_.label(label);
-  if (!block) throw KlartextFault{label, "is a label that does not exist"};
+  if (!block) throw ProgramFault{label, "is a label that does not exist"};
   next_ = *block;
 }
 
@@ -91,16 +91,16 @@ bool KlartextFlow::function(const std::string& text) {
   const std::size_t colon = text.find(':');
   const std::string number = trimmed(text.substr(2, colon == std::string::npos ? 0 : colon - 2));
   if (number.empty() || number.size() > 2 || !is_digit(number.back()) || !is_digit(number.front()))
-    throw KlartextFault{text.substr(0, colon), "is not a function"};
+    throw ProgramFault{text.substr(0, colon), "is not a function"};
   const int code = std::stoi(number);
   const std::string rest = trimmed(text.substr(colon + 1));
   if (code <= 8) {
-    if (!values_.assign(rest)) throw KlartextFault{rest, "is not an assignment"};
+    if (!values_.assign(rest)) throw ProgramFault{rest, "is not an assignment"};
     return true;
   }
   if (code <= 12) return jump_if(rest), true;
   if (code == 15 || code == 16 || code == 20) return true;  // prints, waits
-  throw KlartextFault{"FN " + number, "is not supported; FN 0 to FN 12 are"};
+  throw ProgramFault{"FN " + number, "is not supported; FN 0 to FN 12 are"};
 }
 
 // "IF +Q1 EQU +10 GOTO LBL 5"
@@ -115,7 +115,7 @@ void KlartextFlow::jump_if(const std::string& text) {
                                     {" LT ", [](double a, double b) { return a < b; }}};
   const std::size_t target = text.find("GOTO LBL");
   if (!text.starts_with("IF") || target == std::string::npos)
-    throw KlartextFault{text, "must be IF … EQU, NE, GT or LT … GOTO LBL …"};
+    throw ProgramFault{text, "must be IF … EQU, NE, GT or LT … GOTO LBL …"};
   const std::string condition = text.substr(2, target - 2);
   for (const Test& test : kTests) {
     const std::size_t at = condition.find(test.word);
@@ -125,7 +125,7 @@ void KlartextFlow::jump_if(const std::string& text) {
     if (test.holds(left, right)) jump(trimmed(text.substr(target + 8)));
     return;
   }
-  throw KlartextFault{condition, "must compare with EQU, NE, GT or LT"};
+  throw ProgramFault{condition, "must compare with EQU, NE, GT or LT"};
 }
 
 }  // namespace kerf

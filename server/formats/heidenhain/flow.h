@@ -18,7 +18,7 @@ class KlartextFlow {
   KlartextFlow(const KlartextBlocks& blocks, KlartextValues& values, std::size_t executed_max)
       : blocks_(blocks), values_(values), executed_max_(executed_max) {}
 
-  /// Moves to the next block. Returns nullptr at the end. Throws KlartextFault above the limit of
+  /// Moves to the next block. Returns nullptr at the end. Throws ProgramFault above the limit of
   /// blocks.
   const KlartextBlock* next();
   /// Executes the current block if it is control flow or assigns a parameter.

@@ -38,7 +38,7 @@ void check_words(const std::vector<KlartextWord>& words) {
                                                 "IPA", "IPR", "R",  "DR", ""};
   for (const KlartextWord& word : words)
     if (word.value.empty() || std::ranges::find(kKnown, word.name) == std::end(kKnown))
-      throw KlartextFault{word.name + word.value, "is not a word of this path function"};
+      throw ProgramFault{word.name + word.value, "is not a word of this path function"};
 }
 
 bool is_m128(const KlartextWord& word) { return word.name == "M" && word.value == "128"; }
@@ -82,7 +82,7 @@ bool KlartextMachine::execute(const KlartextBlock& block, const std::string& fol
     Words words = klartext_words(rest);
     const Extras extras = read_extras(words);
     if (!words.empty() && !at_place)
-      throw KlartextFault{"CYCL CALL", "is supported without PAT; use L … M99"};
+      throw ProgramFault{"CYCL CALL", "is supported without PAT; use L … M99"};
     if (at_place) {
       call_at(words);
     } else {
@@ -100,12 +100,12 @@ bool KlartextMachine::execute(const KlartextBlock& block, const std::string& fol
     Words words = klartext_words(text);
     const Extras extras = read_extras(words);
     if (!words.empty())
-      throw KlartextFault{words[0].name + words[0].value, "is not a word beside M"};
+      throw ProgramFault{words[0].name + words[0].value, "is not a word beside M"};
     if (extras.calls_cycle) call_cycle();
     return extras.ends;
   }
   const std::string word = text.substr(0, text.find(' '));
-  throw KlartextFault{word, "is not a supported statement"};
+  throw ProgramFault{word, "is not a supported statement"};
 }
 
 bool KlartextMachine::path_function(std::string_view word, Words words,
@@ -114,7 +114,7 @@ bool KlartextMachine::path_function(std::string_view word, Words words,
   const std::optional<double> feed_before = feed_;
   const Extras extras = read_extras(words);
   if (extras.in_machine && word != "L")
-    throw KlartextFault{std::string(word), "in machine coordinates (M91, M92) is not supported"};
+    throw ProgramFault{std::string(word), "in machine coordinates (M91, M92) is not supported"};
   if (word != "LN") check_words(words);
   const bool corner_follows = following.starts_with("RND") || following.starts_with("CHF");
   if (word == "CC") {
@@ -134,17 +134,17 @@ bool KlartextMachine::path_function(std::string_view word, Words words,
   } else if (word == "CT") {
     tangent_circle(words);
   } else if (corners) {
-    if (extras.rapid) throw KlartextFault{"FMAX", "beside RND and CHF is not supported"};
+    if (extras.rapid) throw ProgramFault{"FMAX", "beside RND and CHF is not supported"};
     corner(words, word == "CHF");
     // F of RND and CHF applies to the corner only.
     if (feed_ != feed_before) corner_->own_feed = feed();
     feed_ = feed_before;
   } else {
-    throw KlartextFault{std::string(word), "is not supported; post with L, CC, C, CP, CR and CT"};
+    throw ProgramFault{std::string(word), "is not supported; post with L, CC, C, CP, CR and CT"};
   }
   if (extras.calls_cycle || (cycle_modal_ && word != "CC" && !corners)) {
     if (extras.in_machine)
-      throw KlartextFault{"M99", "beside M91 and M92 is not supported: the place is not known"};
+      throw ProgramFault{"M99", "beside M91 and M92 is not supported: the place is not known"};
     call_cycle();
   }
   return extras.ends;
@@ -162,27 +162,27 @@ double KlartextMachine::tool_radius_mm(const std::string& word) const {
   std::optional<ToolId> tool = path_.tool();
   if (!tool && scene_.tools.size() == 1) tool = scene_.tools.begin()->first;
   const auto found = tool ? scene_.tools.find(*tool) : scene_.tools.end();
-  if (found == scene_.tools.end()) throw KlartextFault{word, "requires a tool"};
+  if (found == scene_.tools.end()) throw ProgramFault{word, "requires a tool"};
   const double radius_mm = found->second.tool.radius_mm + oversize_mm_;
   if (radius_mm < 0)
-    throw KlartextFault{word, "DR of TOOL CALL makes the tool's radius less than 0"};
+    throw ProgramFault{word, "DR of TOOL CALL makes the tool's radius less than 0"};
   return radius_mm;
 }
 
 void KlartextMachine::finish() {
   path_.finish();
-  if (corner_) throw KlartextFault{"RND", "must be followed by a straight line"};
+  if (corner_) throw ProgramFault{"RND", "must be followed by a straight line"};
 }
 
 void KlartextMachine::refuse_in_corner(const std::string& word) const {
-  if (corner_) throw KlartextFault{word, "between the lines of RND or CHF is not supported"};
+  if (corner_) throw ProgramFault{word, "between the lines of RND or CHF is not supported"};
 }
 
 void KlartextMachine::refuse_off_axis(const std::string& word) const {
   if (!path_.is_axis_z())
-    throw KlartextFault{word,
-                        "along a tool axis that M128 turned away from Z is not supported; use "
-                        "PLANE SPATIAL"};
+    throw ProgramFault{word,
+                       "along a tool axis that M128 turned away from Z is not supported; use "
+                       "PLANE SPATIAL"};
 }
 
 void KlartextMachine::begin(const std::string& text) {
@@ -208,7 +208,7 @@ void KlartextMachine::call_tool(std::string text) {
   if (!tool && !words.empty() && words[0].name.empty()) {
     const double number = values_.of(words[0].value);
     if (number < 0 || number > kToolMax || number != std::floor(number))
-      throw KlartextFault{words[0].value, "is not a tool number"};
+      throw ProgramFault{words[0].value, "is not a tool number"};
     if (number > 0) tool = static_cast<ToolId>(number);
     words.erase(words.begin());
   } else if (!tool) {
@@ -229,7 +229,7 @@ void KlartextMachine::call_tool(std::string text) {
 void KlartextMachine::tool_word(const Words& words, std::size_t& at) {
   KlartextWord word = words[at];
   if (word.value.empty() && (word.name == "X" || word.name == "Y"))
-    throw KlartextFault{word.name, "as tool axis is not supported; Z is"};
+    throw ProgramFault{word.name, "as tool axis is not supported; Z is"};
   if (word.value.empty() && word.name == "Z") return;
   if (word.name == "S" && !word.value.empty()) {
     rpm_ = std::max(0.0, values_.of(word.value));
@@ -246,14 +246,14 @@ void KlartextMachine::tool_word(const Words& words, std::size_t& at) {
   }
   const bool oversize = word.name == "DL" || word.name == "DR" || word.name == "DR2";
   if (!oversize || word.value.empty())
-    throw KlartextFault{word.name + word.value, "is not a supported word of TOOL CALL"};
+    throw ProgramFault{word.name + word.value, "is not a supported word of TOOL CALL"};
   if (word.name == "DR") {
     oversize_mm_ = values_.of(word.value) * unit_mm_;
     return;
   }
   if (values_.of(word.value) != 0)
-    throw KlartextFault{word.name + word.value,
-                        "is an oversize, which is not supported; state the tool as it is"};
+    throw ProgramFault{word.name + word.value,
+                       "is an oversize, which is not supported; state the tool as it is"};
 }
 
 // FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS, which is M128.
@@ -267,7 +267,7 @@ void KlartextMachine::tool_center(const std::string& text) {
       {"CENTER", "as the point that is guided is not supported; use REFPNT TIP-TIP"}};
   for (const Refused& refused : kRefused)
     if (text.find(refused.words) != std::string::npos)
-      throw KlartextFault{std::string(refused.words), std::string(refused.reason)};
+      throw ProgramFault{std::string(refused.words), std::string(refused.reason)};
   path_.set_tool_center(true);
 }
 
@@ -293,7 +293,7 @@ KlartextMachine::Extras KlartextMachine::read_extras(Words& words) {
     } else if (word.name == "M" && !word.value.empty()) {
       const double code = values_.of(word.value);
       if (!(code >= 0 && code <= kCodeMax && code == std::floor(code)))
-        throw KlartextFault{word.name + word.value, "is not an M function"};
+        throw ProgramFault{word.name + word.value, "is not an M function"};
       m_code(static_cast<int>(code), words, i, extras);
     } else if (i > 0 && is_reduced_axis(words[i - 1], word)) {
       continue;
@@ -354,7 +354,7 @@ void KlartextMachine::m_code(int code, const Words& words, std::size_t at, Extra
       const KlartextWord* next = at + 1 < words.size() ? &words[at + 1] : nullptr;
       const bool most = next != nullptr && next->name == "MB" && next->value.empty();
       if (next == nullptr || !next->name.starts_with("MB"))
-        throw KlartextFault{"M140", "requires MB, the distance"};
+        throw ProgramFault{"M140", "requires MB, the distance"};
       extras.retract_mm =
           most || next->name == "MBMAX" ? std::numeric_limits<double>::infinity() : mm(*next);
       return;
@@ -363,7 +363,7 @@ void KlartextMachine::m_code(int code, const Words& words, std::size_t at, Extra
     case 130:
     case 136:
     case 144:
-      throw KlartextFault{"M" + std::to_string(code), "is not supported"};
+      throw ProgramFault{"M" + std::to_string(code), "is not supported"};
     default:
       if (code > 9 && code != 13 && code != 14 && code != 120)
         warn_("M" + std::to_string(code) + " is taken as a function that moves nothing");

@@ -15,7 +15,7 @@
 namespace kerf {
 
 /// Executes the blocks of a Klartext program that move, or change a tool or the coordinates. Errors
-/// are KlartextFault and, for arcs, GcodeFault.
+/// are ProgramFault.
 class KlartextMachine {
  public:
   using Warn = std::function<void(const std::string&)>;

@@ -18,7 +18,7 @@ ApproachKind kind_of(const std::string& statement, const std::string& name) {
   if (name == "LN") return ApproachKind::kNormal;
   if (name == "CT") return ApproachKind::kArc;
   if (name == "LCT") return ApproachKind::kLineAndArc;
-  throw KlartextFault{statement + " " + name, "is not supported; LT, LN, CT and LCT are"};
+  throw ProgramFault{statement + " " + name, "is not supported; LT, LN, CT and LCT are"};
 }
 
 }  // namespace
@@ -36,11 +36,11 @@ void KlartextMachine::approach_sizes(Words& words, KlartextApproach& to) const {
   });
   const bool line = to.kind == ApproachKind::kTangent || to.kind == ApproachKind::kNormal;
   if (line && !(has_length && to.length_mm >= 0))
-    throw KlartextFault{"LEN", "is missing or below 0"};
+    throw ProgramFault{"LEN", "is missing or below 0"};
   if (!line && (!has_radius || to.radius_mm == 0))
-    throw KlartextFault{"R", "of the arc is missing or 0"};
+    throw ProgramFault{"R", "of the arc is missing or 0"};
   if (to.kind == ApproachKind::kArc && !(has_angle && to.angle_deg > 0 && to.angle_deg <= 360))
-    throw KlartextFault{"CCA", "must be above 0 and at most 360 degrees"};
+    throw ProgramFault{"CCA", "must be above 0 and at most 360 degrees"};
 }
 
 void KlartextMachine::approach(const std::string& text) {
@@ -55,10 +55,10 @@ void KlartextMachine::approach(const std::string& text) {
   });
   const Extras extras = read_extras(words);
   if (extras.calls_cycle || extras.in_machine || extras.retract_mm)
-    throw KlartextFault{"M", "of this kind beside APPR is not supported"};
+    throw ProgramFault{"M", "of this kind beside APPR is not supported"};
   approach_sizes(words, to);
   if (to.side == 0 && to.kind != ApproachKind::kTangent)
-    throw KlartextFault{"APPR", "requires RL or RR, on whose side the tool approaches"};
+    throw ProgramFault{"APPR", "requires RL or RR, on whose side the tool approaches"};
   check_departure_words(words);
   std::array<bool, 3> named{};
   to.contour = target(words, named);
@@ -74,7 +74,7 @@ void KlartextMachine::check_departure_words(const Words& words) {
     if (word.value.empty() || word.name.empty() || word.name.size() > 2 ||
         (word.name.size() == 2 && word.name[0] != 'I') ||
         std::string_view("XYZ").find(word.name.back()) == std::string_view::npos)
-      throw KlartextFault{word.name + word.value, "is not a word of APPR and DEP"};
+      throw ProgramFault{word.name + word.value, "is not a word of APPR and DEP"};
 }
 
 // The tool departs from its offset position at the end of the contour.
@@ -95,14 +95,14 @@ void KlartextMachine::depart(const std::string& text) {
                 [](const KlartextWord& word) { return word.name == "LEN" || word.name == "CCA"; });
   const Extras extras = read_extras(words);
   if (extras.calls_cycle || extras.in_machine || extras.retract_mm || extras.rapid)
-    throw KlartextFault{"DEP", "beside FMAX, M91, M99 and M140 is not supported"};
+    throw ProgramFault{"DEP", "beside FMAX, M91, M99 and M140 is not supported"};
   check_departure_words(words);
   if (!words.empty() && from.kind != ApproachKind::kLineAndArc)
-    throw KlartextFault{words[0].name + words[0].value, "is not a word of this DEP"};
+    throw ProgramFault{words[0].name + words[0].value, "is not a word of this DEP"};
   if (!direction_ || std::abs(direction_->z) > 1e-9)
-    throw KlartextFault{"DEP", "requires a contour in the plane XY before it"};
+    throw ProgramFault{"DEP", "requires a contour in the plane XY before it"};
   if (from.side == 0 && from.kind != ApproachKind::kTangent)
-    throw KlartextFault{"DEP", "requires RL or RR, on whose side the tool leaves"};
+    throw ProgramFault{"DEP", "requires RL or RR, on whose side the tool leaves"};
   std::array<bool, 3> named{};
   const Vec3 target_at = target(words, named), t = *direction_;
   path_.compensate(0, 0);
@@ -118,7 +118,7 @@ void KlartextMachine::depart(const std::string& text) {
   if (from.kind == ApproachKind::kLineAndArc) {
     const Vec3 away{target_at.x - center.x, target_at.y - center.y, 0};
     if (!(length(away) >= radius))
-      throw KlartextFault{"DEP LCT", "ends within its arc; state a smaller R"};
+      throw ProgramFault{"DEP LCT", "ends within its arc; state a smaller R"};
     angle = std::atan2(away.y, away.x) - turns * std::acos(radius / length(away));
   }
   move_arc({center.x + radius * std::cos(angle), center.y + radius * std::sin(angle), at.z},
@@ -131,7 +131,7 @@ void KlartextPath::begin_contour(Vec3 tangent) {
   const KlartextApproach to = *std::exchange(approach_, std::nullopt);
   const double along = std::hypot(tangent.x, tangent.y);
   if (!(along > 0))
-    throw KlartextFault{"APPR", "must be followed by a line or an arc in the plane XY"};
+    throw ProgramFault{"APPR", "must be followed by a line or an arc in the plane XY"};
   const Vec3 t{tangent.x / along, tangent.y / along, 0}, normal{-t.y, t.x, 0};
   const std::vector<Lift> lifts = std::exchange(lifts_, {});
   Vec3 at = to.contour + normal * (to.side * to.offset_mm);
@@ -154,7 +154,7 @@ void KlartextPath::begin_contour(Vec3 tangent) {
       const Vec3 start = frame_.programmed(tip_mm_);
       const double x = start.x - center.x, y = start.y - center.y;
       if (!(std::hypot(x, y) >= radius))
-        throw KlartextFault{"APPR LCT", "begins within its arc; state a smaller R"};
+        throw ProgramFault{"APPR LCT", "begins within its arc; state a smaller R"};
       angle = std::atan2(y, x) + turns * std::acos(radius / std::hypot(x, y));
     }
     go({center.x + radius * std::cos(angle), center.y + radius * std::sin(angle), at.z},

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/heidenhain/machine.h"
 #include "server/formats/units.h"
 
@@ -22,12 +22,12 @@ int count_of(const std::map<std::string, double>& given, const char* name) {
   const auto it = given.find(name);
   if (it == given.end() || !(it->second >= 1 && it->second <= kPointsMax) ||
       it->second != std::floor(it->second))
-    throw KlartextFault{name, "must be an integer from 1 to 10000"};
+    throw ProgramFault{name, "must be an integer from 1 to 10000"};
   return static_cast<int>(it->second);
 }
 
 AreaPath taken(AreaResult result, int cycle) {
-  if (!result) throw KlartextFault{"CYCL DEF " + std::to_string(cycle), result.error()};
+  if (!result) throw ProgramFault{"CYCL DEF " + std::to_string(cycle), result.error()};
   return *std::move(result);
 }
 
@@ -46,7 +46,7 @@ AreaPath KlartextMachine::area(double tool_mm, double allowance_mm) const {
   const int cycle = cycle_number_;
   const double at = cycle_value("Q367", 0);
   if (at != std::floor(at) || at < 0 || at > 4)
-    throw KlartextFault{"Q367", "must be an integer from 0 to 4"};
+    throw ProgramFault{"Q367", "must be an integer from 0 to 4"};
   const auto place = static_cast<std::size_t>(at);
   if (cycle == 252) {
     const double size = mm_of("Q223") - less;
@@ -59,7 +59,7 @@ AreaPath KlartextMachine::area(double tool_mm, double allowance_mm) const {
   }
   if (cycle == 254) {
     if (place != 0)
-      throw KlartextFault{"Q367", "other than 0 is not supported in cycle 254; state the center"};
+      throw ProgramFault{"Q367", "other than 0 is not supported in cycle 254; state the center"};
     return taken(clear_arc_slot({.radius = mm_of("Q375") / 2,
                                  .width = mm_of("Q219") - less,
                                  .first_deg = cycle_value("Q376", 0),
@@ -69,7 +69,7 @@ AreaPath KlartextMachine::area(double tool_mm, double allowance_mm) const {
   }
   const double length = mm_of("Q218"), width = mm_of("Q219");
   if (cycle == 253) {
-    if (length < width) throw KlartextFault{"Q218", "is less than the slot's width Q219"};
+    if (length < width) throw ProgramFault{"Q218", "is less than the slot's width Q219"};
     const double along[] = {0, length / 2, (length - width) / 2, -(length - width) / 2,
                             -length / 2};
     const RoundedRectangle slot{length - less, width - less, (width - less) / 2};
@@ -79,7 +79,7 @@ AreaPath KlartextMachine::area(double tool_mm, double allowance_mm) const {
   const double x[] = {0, length / 2, -length / 2, -length / 2, length / 2};
   const double y[] = {0, width / 2, width / 2, -width / 2, -width / 2};
   const double corner = mm_of("Q220");
-  if (corner < 0) throw KlartextFault{"Q220", "below 0, a chamfer, is not supported"};
+  if (corner < 0) throw ProgramFault{"Q220", "below 0, a chamfer, is not supported"};
   const AreaPath path =
       cycle == 251
           ? taken(clear_pocket({length - less, width - less, std::max(0.0, corner - allowance_mm)},
@@ -101,12 +101,12 @@ void KlartextMachine::mill_area(double raised_mm) {
   const double clearance = surface + set_up;
   const double high = std::max(clearance, surface + cycle_value("Q204", 0) * unit_mm_);
   const double bottom = surface + cycle_value("Q201", 0) * unit_mm_;
-  if (!(bottom < surface)) throw KlartextFault{"Q201", "must be a depth below 0"};
+  if (!(bottom < surface)) throw ProgramFault{"Q201", "must be a depth below 0"};
   const double side_mm = cycle_value("Q368", 0) * unit_mm_;
   const double floor_mm = cycle_value("Q369", 0) * unit_mm_;
   // Studs of older controls have no Q215 and keep their allowance.
   const double kind = cycle_value("Q215", cycle_number_ >= 256 ? 1 : 0);
-  if (kind != 0 && kind != 1 && kind != 2) throw KlartextFault{"Q215", "must be 0, 1 or 2"};
+  if (kind != 0 && kind != 1 && kind != 2) throw ProgramFault{"Q215", "must be 0, 1 or 2"};
   const auto machining = static_cast<Machining>(static_cast<int>(kind));
   const bool rough = machining == Machining::kRoughing;
   const AreaPath whole = area(tool_mm, rough ? side_mm : 0);
@@ -124,7 +124,7 @@ void KlartextMachine::mill_area(double raised_mm) {
   std::size_t moves = 0;
   for (const auto& pass : passes) moves += pass.first.size();
   if (moves * static_cast<std::size_t>(copies) > kAreaMovesMax)
-    throw KlartextFault{name, "takes more than 100000 moves; state a larger infeed Q202"};
+    throw ProgramFault{name, "takes more than 100000 moves; state a larger infeed Q202"};
   const Vec3 called = path_.position();
   const std::optional<double> feed_before = feed_;
   const double milling = cycle_value("Q207", 0) * unit_mm_;
@@ -170,7 +170,7 @@ void KlartextMachine::follow(const AreaPath& path) {
 void KlartextMachine::call_pattern(int cycle, const std::map<std::string, double>& given) {
   const std::string name = "CYCL DEF " + std::to_string(cycle);
   if (cycle_number_ == 0 || cycle_number_ == 1 || cycle_number_ == 254)
-    throw KlartextFault{name, "requires a cycle for holes, pockets or studs before it"};
+    throw ProgramFault{name, "requires a cycle for holes, pockets or studs before it"};
   const auto value = [&given](const char* word) {
     const auto it = given.find(word);
     return it == given.end() ? 0.0 : it->second;
@@ -192,7 +192,7 @@ void KlartextMachine::call_pattern(int cycle, const std::map<std::string, double
     }
   } else {
     const int columns = count_of(given, "Q242"), rows = count_of(given, "Q243");
-    if (columns * double(rows) > kPointsMax) throw KlartextFault{name, "has above 10000 points"};
+    if (columns * double(rows) > kPointsMax) throw ProgramFault{name, "has above 10000 points"};
     const double c = std::cos(kRadPerDeg * value("Q224")), s = std::sin(kRadPerDeg * value("Q224"));
     for (int row = 0; row < rows; ++row)
       for (int i = 0; i < columns; ++i) {
@@ -218,7 +218,7 @@ void KlartextMachine::call_at(const Words& words) {
   std::array<bool, 3> named{};
   for (const KlartextWord& word : words)
     if (word.value.empty() || (word.name != "X" && word.name != "Y" && word.name != "Z"))
-      throw KlartextFault{word.name + word.value, "is not a word of CYCL CALL POS"};
+      throw ProgramFault{word.name + word.value, "is not a word of CYCL CALL POS"};
   const Vec3 to = target(words, named);
   const double raised = named[2] ? to.z : 0;
   Vec3 at = path_.position();

@@ -31,18 +31,18 @@ void KlartextMachine::cycle_definition(const std::string& text) {
   const bool holes = cycle == 200 || cycle == 201 || cycle == 202 || cycle == 203 || cycle == 205 ||
                      cycle == 206 || cycle == 207 || cycle == 209 || cycle == 240 || cycle == 241;
   if (!holes && !pattern && !is_area_cycle(cycle))
-    throw KlartextFault{"CYCL DEF " + number,
-                        "is not supported; 1, 7, 9, 10, 19 without angles, 32, 200 to 203, 205 to "
-                        "207, 209, 220, 221, 240, 241, 247, 251 to 254, 256 and 257 are: post the "
-                        "motions of others as L and C"};
+    throw ProgramFault{"CYCL DEF " + number,
+                       "is not supported; 1, 7, 9, 10, 19 without angles, 32, 200 to 203, 205 to "
+                       "207, 209, 220, 221, 240, 241, 247, 251 to 254, 256 and 257 are: post the "
+                       "motions of others as L and C"};
   const std::map<std::string, double> given = cycle_parameters(rest);
   if (pattern) return call_pattern(cycle, given);
   cycle_ = given;
   for (const char* needed : {"Q200", "Q201", "Q203"})
     if (!cycle_.contains(needed))
-      throw KlartextFault{"CYCL DEF " + number, std::string("requires ") + needed};
+      throw ProgramFault{"CYCL DEF " + number, std::string("requires ") + needed};
   if (cycle == 240 && cycle_.contains("Q343") && cycle_["Q343"] != 0)
-    throw KlartextFault{"Q343", "selects a depth by the diameter, which is not supported"};
+    throw ProgramFault{"Q343", "selects a depth by the diameter, which is not supported"};
   cycle_number_ = cycle;
   cycle_modal_ = false;
 }
@@ -76,10 +76,10 @@ double KlartextMachine::cycle_value(const char* name, double missing) const {
 
 // M99, M89 and CYCL CALL: the cycle at the current position. `raised_mm` shifts its surface.
 void KlartextMachine::call_cycle(double raised_mm) {
-  if (cycle_number_ == 0) throw KlartextFault{"M99", "calls a cycle that is not defined"};
+  if (cycle_number_ == 0) throw ProgramFault{"M99", "calls a cycle that is not defined"};
   refuse_in_corner("M99");
   if (path_.is_compensated())
-    throw KlartextFault{"M99", "while RL or RR is on is not supported; program R0 before it"};
+    throw ProgramFault{"M99", "while RL or RR is on is not supported; program R0 before it"};
   refuse_off_axis("CYCL DEF " + std::to_string(cycle_number_));
   if (is_area_cycle(cycle_number_)) {
     mill_area(raised_mm);
@@ -103,8 +103,8 @@ void KlartextMachine::drill(double raised_mm) {
   const double plunge = value("Q206", feed_.value_or(0) / unit_mm_) * unit_mm_;
   const bool taps = cycle_number_ == 206 || cycle_number_ == 207 || cycle_number_ == 209;
   const double feed = plunge > 0 ? plunge : taps ? feed_.value_or(1000) : 0;
-  if (!(feed > 0)) throw KlartextFault{"Q206", "requires a feed above 0"};
-  if (bottom > clearance) throw KlartextFault{"Q201", "is a depth above the clearance"};
+  if (!(feed > 0)) throw ProgramFault{"Q206", "requires a feed above 0"};
+  if (bottom > clearance) throw ProgramFault{"Q201", "is a depth above the clearance"};
   Vec3 at = path_.position();
   const std::array named{false, false, true};
   at.z = clearance;
@@ -127,7 +127,7 @@ void KlartextMachine::old_pecking(const std::string& number, const std::string& 
     cycle_modal_ = false;
     return;
   }
-  if (digits == std::string::npos) throw KlartextFault{"CYCL DEF " + number, "requires a number"};
+  if (digits == std::string::npos) throw ProgramFault{"CYCL DEF " + number, "requires a number"};
   std::string plain = rest.substr(digits, rest.find(' ', digits) - digits);
   std::ranges::replace(plain, ',', '.');
   const double value = values_.of(plain);
@@ -141,25 +141,25 @@ void KlartextMachine::old_pecking(const std::string& number, const std::string& 
 void KlartextMachine::working_plane(const Words& words) {
   for (const KlartextWord& word : words)
     if (!word.value.empty() && values_.of(word.value) != 0)
-      throw KlartextFault{"CYCL DEF 19",
-                          "tilts the plane, which is not supported; use PLANE SPATIAL"};
+      throw ProgramFault{"CYCL DEF 19",
+                         "tilts the plane, which is not supported; use PLANE SPATIAL"};
   reset_plane();
 }
 
 void KlartextMachine::datum_shift(const Words& words) {
   KlartextFrame& frame = path_.changing_frame();
   if (frame.is_tilted)
-    throw KlartextFault{"CYCL DEF 7", "in a tilted plane is not supported; shift before PLANE"};
+    throw ProgramFault{"CYCL DEF 7", "in a tilted plane is not supported; shift before PLANE"};
   for (const KlartextWord& word : words) {
     const bool incremental = word.name.size() == 2 && word.name[0] == 'I';
     const char axis = word.name.empty() ? ' ' : word.name.back();
-    if (axis == '#') throw KlartextFault{"#", "names a datum table, which is not known here"};
+    if (axis == '#') throw ProgramFault{"#", "names a datum table, which is not known here"};
     double* const part = axis == 'X'   ? &frame.datum_mm.x
                          : axis == 'Y' ? &frame.datum_mm.y
                          : axis == 'Z' ? &frame.datum_mm.z
                                        : nullptr;
     if (part == nullptr || word.value.empty())
-      throw KlartextFault{word.name + word.value, "is not a shift along X, Y or Z"};
+      throw ProgramFault{word.name + word.value, "is not a shift along X, Y or Z"};
     *part = mm(word) + (incremental ? *part : 0);
   }
 }
@@ -168,7 +168,7 @@ void KlartextMachine::rotate(const Words& words) {
   KlartextFrame& frame = path_.changing_frame();
   for (const KlartextWord& word : words) {
     if (word.name != "ROT" && word.name != "IROT")
-      throw KlartextFault{word.name + word.value, "must be ROT, the angle"};
+      throw ProgramFault{word.name + word.value, "must be ROT, the angle"};
     const double before = word.name == "IROT" ? frame.rotation_deg : 0;
     frame.rotation_deg = before + values_.of(word.value);
   }

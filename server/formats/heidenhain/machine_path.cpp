@@ -33,14 +33,14 @@ double KlartextMachine::mm(const KlartextWord& word) const {
 }
 
 double KlartextMachine::feed() const {
-  if (!feed_ || !(*feed_ > 0)) throw KlartextFault{"", "the feed is missing; program F before it"};
+  if (!feed_ || !(*feed_ > 0)) throw ProgramFault{"", "the feed is missing; program F before it"};
   return *feed_;
 }
 
 bool KlartextMachine::clockwise(const Words& words) {
   const KlartextWord* word = find(words, "DR");
   if (word == nullptr || (word->value != "+" && word->value != "-"))
-    throw KlartextFault{"DR", "the direction DR+ or DR- is missing"};
+    throw ProgramFault{"DR", "the direction DR+ or DR- is missing"};
   return word->value == "-";
 }
 
@@ -78,15 +78,15 @@ RotaryAngles KlartextMachine::rotary_target(const Words& words, bool& turns) {
                                  : kind == (axis == 'A' ? MachineKinematics::kXyzacTrt
                                                         : MachineKinematics::kXyzbcTrt);
     if (!has)
-      throw KlartextFault{word.name + word.value, "the machine " + std::string(to_string(kind)) +
-                                                      " has no " + axis + " axis"};
+      throw ProgramFault{word.name + word.value, "the machine " + std::string(to_string(kind)) +
+                                                     " has no " + axis + " axis"};
     if (path_.is_tilted())
-      throw KlartextFault{word.name + word.value,
-                          "turns an axis in a tilted plane, which is not "
-                          "supported"};
+      throw ProgramFault{word.name + word.value,
+                         "turns an axis in a tilted plane, which is not "
+                         "supported"};
     const double value = values_.of(word.value);
     if (shortest_ && incremental && std::abs(value) > 180)
-      throw KlartextFault{word.name + word.value, "turns by more than 180 degrees with M126"};
+      throw ProgramFault{word.name + word.value, "turns by more than 180 degrees with M126"};
     // With M126 the previous angle is counted such that the turn is the shorter one.
     if (shortest_ && !incremental) path_.count_angle(axis, value);
     *angle = value + (incremental ? *angle : 0);
@@ -102,7 +102,7 @@ void KlartextMachine::move(Vec3 to, std::optional<double> feed, std::array<bool,
 }
 
 void KlartextMachine::move_arc(Vec3 to, ArcPlane plane, Vec3 center, int turns) {
-  if (corner_) throw KlartextFault{"RND", "beside an arc is not supported; write the arc"};
+  if (corner_) throw ProgramFault{"RND", "beside an arc is not supported; write the arc"};
   const double f = feed();
   const PlanePoint end = in_plane(to, plane), middle = in_plane(center, plane);
   const double x = end.first - middle.first, y = end.second - middle.second;
@@ -118,7 +118,7 @@ void KlartextMachine::linear(const Words& words, const Extras& extras, bool corn
     const bool axis = word.name.size() == sign + 1 &&
                       std::string_view("XYZABC").find(word.name.back()) != std::string_view::npos;
     if (!axis || word.value.empty())
-      throw KlartextFault{word.name + word.value, "is not a word of L"};
+      throw ProgramFault{word.name + word.value, "is not a word of L"};
   }
   if (extras.in_machine) return to_machine(words, extras);
   std::array<bool, 3> named{};
@@ -131,7 +131,7 @@ void KlartextMachine::linear(const Words& words, const Extras& extras, bool corn
   }
   refuse_in_corner("A, B and C");
   if (corner_follows && !extras.rapid)
-    throw KlartextFault{"RND", "behind a line that turns an axis is not supported"};
+    throw ProgramFault{"RND", "behind a line that turns an axis is not supported"};
   direction_.reset();
   path_.line(to, angles, extras.rapid ? std::nullopt : std::optional(feed()), named);
 }
@@ -152,8 +152,8 @@ std::optional<Vec3> KlartextMachine::take_vector(Words& words, char kind) const 
   const KlartextFrame& frame = path_.frame();
   const Vec3 turned = frame.in_workpiece(vector) - frame.datum_mm;
   if (count != 3 || !(length(turned) > kVectorMin))
-    throw KlartextFault{std::string("LN"), std::string("requires all of ") + kind + "X, " + kind +
-                                               "Y and " + kind + "Z, a vector other than 0"};
+    throw ProgramFault{std::string("LN"), std::string("requires all of ") + kind + "X, " + kind +
+                                              "Y and " + kind + "Z, a vector other than 0"};
   return normalized(turned);
 }
 
@@ -162,13 +162,13 @@ std::optional<Vec3> KlartextMachine::take_vector(Words& words, char kind) const 
 void KlartextMachine::linear_with_vectors(Words words, const Extras& extras) {
   refuse_in_corner("LN");
   if (path_.is_tilted() || path_.is_compensated())
-    throw KlartextFault{"LN", "in a tilted plane or beside a contour (RL, RR) is not supported"};
+    throw ProgramFault{"LN", "in a tilted plane or beside a contour (RL, RR) is not supported"};
   const std::optional<Vec3> tool = take_vector(words, 'T'), normal = take_vector(words, 'N');
   if ((tool || normal) && !path_.has_tool_center())
-    throw KlartextFault{"LN", "with a vector requires M128 or FUNCTION TCPM"};
+    throw ProgramFault{"LN", "with a vector requires M128 or FUNCTION TCPM"};
   for (const KlartextWord& word : words)
     if (word.value.empty() || kAxes.find(word.name.back()) == std::string_view::npos)
-      throw KlartextFault{word.name + word.value, "is not a word of LN"};
+      throw ProgramFault{word.name + word.value, "is not a word of LN"};
   std::array<bool, 3> named{};
   const Vec3 to = target(words, named);
   const std::optional<double> speed = extras.rapid ? std::nullopt : std::optional(feed());
@@ -196,8 +196,8 @@ void KlartextMachine::to_machine(const Words& words, const Extras& extras) {
   for (const KlartextWord& word : words)
     if (std::string_view("ABC").find(word.name.back()) != std::string_view::npos &&
         (extras.datum_of_builder || word.name.size() > 1))
-      throw KlartextFault{word.name + word.value,
-                          "beside M92, or incremental beside M91, is not supported"};
+      throw ProgramFault{word.name + word.value,
+                         "beside M92, or incremental beside M91, is not supported"};
   std::array<bool, 3> named{};
   target(words, named);
   bool turns = false;
@@ -212,11 +212,11 @@ void KlartextMachine::to_machine(const Words& words, const Extras& extras) {
 
 // RND and CHF between two lines. The first line is delayed.
 void KlartextMachine::corner(const Words& words, bool chamfer) {
-  if (!corner_) throw KlartextFault{chamfer ? "CHF" : "RND", "must stand behind a straight line"};
+  if (!corner_) throw ProgramFault{chamfer ? "CHF" : "RND", "must stand behind a straight line"};
   for (const KlartextWord& word : words) {
     const bool size = word.name.empty() || word.name == "R";
     if (!size || word.value.empty())
-      throw KlartextFault{word.name + word.value, "is not a word of RND and CHF"};
+      throw ProgramFault{word.name + word.value, "is not a word of RND and CHF"};
     (chamfer ? corner_->chamfer_mm : corner_->radius_mm) = mm(word);
   }
 }
@@ -227,17 +227,17 @@ void KlartextMachine::cut_corner(Vec3 next) {
   const Vec3 back = from - corner.at, on = next - corner.at;
   const std::array<bool, 3> named{true, true, true};
   if (std::abs(back.z) > kSamePointMm || std::abs(on.z) > kSamePointMm)
-    throw KlartextFault{"RND", "is supported in the plane XY only"};
+    throw ProgramFault{"RND", "is supported in the plane XY only"};
   const double before = length(back), behind = length(on);
   if (before < kSamePointMm || behind < kSamePointMm)
-    throw KlartextFault{"RND", "requires a line before and a line behind it"};
+    throw ProgramFault{"RND", "requires a line before and a line behind it"};
   const Vec3 u = back * (1 / before), v = on * (1 / behind);
   const double half = std::acos(std::clamp(dot(u, v), -1.0, 1.0)) / 2;
   const double cut = corner.chamfer_mm > 0 ? corner.chamfer_mm : corner.radius_mm / std::tan(half);
   const bool straight = half > std::numbers::pi / 2 - 1e-9;
   if (corner.radius_mm > 0 && straight) return move(corner.at, corner.feed, named);
   if (!(cut <= before + kSamePointMm && cut <= behind + kSamePointMm))
-    throw KlartextFault{"RND", "does not fit between its lines"};
+    throw ProgramFault{"RND", "does not fit between its lines"};
   if (cut <= 0) return move(corner.at, corner.feed, named);
   move(corner.at + u * cut, corner.feed, named);
   const double feed_in_corner = corner.own_feed.value_or(corner.feed);
@@ -265,7 +265,7 @@ void KlartextMachine::pole(const Words& words) {
 }
 
 void KlartextMachine::circle(const Words& words) {
-  if (!pole_known_) throw KlartextFault{"C", "requires CC, the center"};
+  if (!pole_known_) throw ProgramFault{"C", "requires CC, the center"};
   const bool right = clockwise(words);
   std::array<bool, 3> named{};
   const Vec3 to = target(words, named);
@@ -274,36 +274,36 @@ void KlartextMachine::circle(const Words& words) {
   const double first = std::hypot(a.first - m.first, a.second - m.second);
   const double second = std::hypot(b.first - m.first, b.second - m.second);
   if (first < kSamePointMm || std::abs(first - second) > kRadiusDifferenceMm)
-    throw KlartextFault{"", "the radius of the circle is " + std::to_string(first) +
-                                " mm at its start but " + std::to_string(second) + " at its end"};
+    throw ProgramFault{"", "the radius of the circle is " + std::to_string(first) +
+                               " mm at its start but " + std::to_string(second) + " at its end"};
   if (std::abs(a.normal - b.normal) > kSamePointMm)
-    throw KlartextFault{"C", "may not leave its plane; use CP for a helix"};
+    throw ProgramFault{"C", "may not leave its plane; use CP for a helix"};
   move_arc(to, pole_plane_, pole_, right ? -1 : 1);
 }
 
 // CP PA+90 DR+, CP IPA+720 IZ-5 DR+.
 void KlartextMachine::polar_circle(const Words& words) {
-  if (!pole_known_) throw KlartextFault{"CP", "requires CC, the pole"};
+  if (!pole_known_) throw ProgramFault{"CP", "requires CC, the pole"};
   const bool right = clockwise(words);
   const PlanePoint a = in_plane(path_.position(), pole_plane_), m = in_plane(pole_, pole_plane_);
   const double x = a.first - m.first, y = a.second - m.second;
   const double radius = std::hypot(x, y);
-  if (radius < kSamePointMm) throw KlartextFault{"CP", "begins at the pole"};
+  if (radius < kSamePointMm) throw ProgramFault{"CP", "begins at the pole"};
   const KlartextWord *by = find(words, "IPA"), *to_angle = find(words, "PA");
   double sweep = 0;
   if (by != nullptr) {
     sweep = values_.of(by->value);
     if (sweep != 0 && (sweep < 0) != right)
-      throw KlartextFault{"IPA", "turns against DR; both must have the same sign"};
+      throw ProgramFault{"IPA", "turns against DR; both must have the same sign"};
   } else if (to_angle != nullptr) {
     sweep = std::fmod(values_.of(to_angle->value) - kDegPerRad * std::atan2(y, x), 360.0);
     if (right && sweep >= -1e-9) sweep -= 360;
     if (!right && sweep <= 1e-9) sweep += 360;
   } else {
-    throw KlartextFault{"CP", "requires PA or IPA, the angle"};
+    throw ProgramFault{"CP", "requires PA or IPA, the angle"};
   }
   if (std::abs(sweep) > 360 * kTurnsMax || sweep == 0)
-    throw KlartextFault{"IPA", "must be an angle other than 0 of at most 1000 turns"};
+    throw ProgramFault{"IPA", "must be an angle other than 0 of at most 1000 turns"};
   const double turn = kRadPerDeg * sweep;
   PlanePoint end{m.first + x * std::cos(turn) - y * std::sin(turn),
                  m.second + x * std::sin(turn) + y * std::cos(turn), a.normal};
@@ -317,7 +317,7 @@ void KlartextMachine::polar_circle(const Words& words) {
 }
 
 void KlartextMachine::polar_line(const Words& words, const Extras& extras, bool corner_follows) {
-  if (!pole_known_) throw KlartextFault{"LP", "requires CC, the pole"};
+  if (!pole_known_) throw ProgramFault{"LP", "requires CC, the pole"};
   const PlanePoint a = in_plane(place(), pole_plane_), m = in_plane(pole_, pole_plane_);
   const double x = a.first - m.first, y = a.second - m.second;
   double radius = std::hypot(x, y), angle = kDegPerRad * std::atan2(y, x);
@@ -340,11 +340,11 @@ void KlartextMachine::polar_line(const Words& words, const Extras& extras, bool 
 void KlartextMachine::circle_by_radius(const Words& words) {
   const bool right = clockwise(words);
   const KlartextWord* radius = find(words, "R");
-  if (radius == nullptr) throw KlartextFault{"CR", "requires R, the radius"};
+  if (radius == nullptr) throw ProgramFault{"CR", "requires R, the radius"};
   std::array<bool, 3> named{};
   const Vec3 from = path_.position(), to = target(words, named);
   if (std::abs(from.z - to.z) > kSamePointMm)
-    throw KlartextFault{"CR", "is supported in the plane XY only"};
+    throw ProgramFault{"CR", "is supported in the plane XY only"};
   ArcCenter center;
   center.radius = mm(*radius);
   const PlanePoint middle = arc_center(from, to, ArcPlane::kXy, center, right);
@@ -357,10 +357,10 @@ void KlartextMachine::tangent_circle(const Words& words) {
   std::array<bool, 3> named{};
   const Vec3 from = path_.position(), to = target(words, named);
   if (!direction_ || std::abs(direction_->z) > 1e-9 || std::abs(from.z - to.z) > kSamePointMm)
-    throw KlartextFault{"CT", "requires a path in the plane XY before it"};
+    throw ProgramFault{"CT", "requires a path in the plane XY before it"};
   const Vec3 chord = to - from;
   const double size = length(chord);
-  if (size < kSamePointMm) throw KlartextFault{"CT", "ends at its start"};
+  if (size < kSamePointMm) throw ProgramFault{"CT", "ends at its start"};
   const Vec3 normal{-direction_->y, direction_->x, 0};
   const double across = dot(chord, normal);
   if (std::abs(across) < 1e-9 * size) return move(to, feed(), {true, true, true});

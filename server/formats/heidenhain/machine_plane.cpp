@@ -21,10 +21,10 @@ void KlartextMachine::tilt(const std::string& text) {
   if (kind == "RESET") return reset_plane();
   const bool spatial = kind == "SPATIAL";
   if (!spatial && kind != "VECTOR")
-    throw KlartextFault{"PLANE " + kind, "is not supported; use PLANE SPATIAL"};
+    throw ProgramFault{"PLANE " + kind, "is not supported; use PLANE SPATIAL"};
   const Words words = klartext_words(std::string_view(text).substr(end));
   if (path_.frame().rotation_deg != 0)
-    throw KlartextFault{"PLANE", "with an active rotation (cycle 10) is not supported"};
+    throw ProgramFault{"PLANE", "with an active rotation (cycle 10) is not supported"};
   const bool positions = std::ranges::any_of(
       words, [](const KlartextWord& word) { return word.name == "TURN" || word.name == "MOVE"; });
   if (spatial) {
@@ -64,11 +64,11 @@ void KlartextMachine::tilt_by_vectors(const Words& words) {
     if (word.name[1] == 'Y') v.y = values_.of(word.value);
     if (word.name[1] == 'Z') v.z = values_.of(word.value);
   }
-  if (!(length(normal) > kVectorMin)) throw KlartextFault{"PLANE VECTOR", "requires NX, NY and NZ"};
+  if (!(length(normal) > kVectorMin)) throw ProgramFault{"PLANE VECTOR", "requires NX, NY and NZ"};
   const Vec3 z = normalized(normal);
   const Vec3 within = base - z * dot(base, z);
   if (!(length(within) > kVectorMin))
-    throw KlartextFault{"PLANE VECTOR", "requires BX, BY and BZ beside the normal"};
+    throw ProgramFault{"PLANE VECTOR", "requires BX, BY and BZ beside the normal"};
   const Vec3 x = normalized(within);
   path_.changing_frame().tilted = {x, cross(z, x), z};
 }
@@ -78,9 +78,9 @@ void KlartextMachine::finish_tilt(bool positions) {
   const bool level = frame.tilted[0] == Vec3{1, 0, 0} && frame.tilted[2] == Vec3{0, 0, 1};
   if (level && !frame.is_tilted) return;
   if (!positions)
-    throw KlartextFault{"STAY", "leaves the tool as it was, which is not supported; use TURN"};
+    throw ProgramFault{"STAY", "leaves the tool as it was, which is not supported; use TURN"};
   if (scene_.machine.kinematics == MachineKinematics::kXyz)
-    throw KlartextFault{"PLANE", "tilts the plane, which the machine xyz cannot"};
+    throw ProgramFault{"PLANE", "tilts the plane, which the machine xyz cannot"};
   frame.is_tilted = true;
   path_.align();
   direction_.reset();

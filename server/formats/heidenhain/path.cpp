@@ -34,17 +34,17 @@ Vec3 KlartextFrame::programmed(Vec3 in_workpiece) const {
 }
 
 void KlartextPath::check(const MotionSink::Result& result) {
-  if (!result) throw KlartextFault{"", result.error()};
+  if (!result) throw ProgramFault{"", result.error()};
 }
 
 void KlartextPath::require_uncompensated() const {
-  if (is_compensated()) throw KlartextFault{"RL", "and RR must be ended with R0 before this block"};
+  if (is_compensated()) throw ProgramFault{"RL", "and RR must be ended with R0 before this block"};
 }
 
 void KlartextPath::change_tool(std::optional<ToolId> tool) {
   require_uncompensated();
   if (tool && !scene_.tools.contains(*tool))
-    throw KlartextFault{"TOOL CALL", "the scene has no tool " + std::to_string(*tool)};
+    throw ProgramFault{"TOOL CALL", "the scene has no tool " + std::to_string(*tool)};
   changed_tool_ = changed_tool_ || tool.has_value();
   sink_.change_tool(tool, line_);
   if (!tool) sink_.lift();
@@ -123,7 +123,7 @@ bool KlartextPath::approach(const ToolPose& to, bool rapid, std::array<bool, 3> 
     warn_("motions before the first TOOL CALL are left out: no tool cuts");
     return true;
   }
-  if (!sink_.tool()) throw KlartextFault{"", "no tool is called for this motion"};
+  if (!sink_.tool()) throw ProgramFault{"", "no tool is called for this motion"};
   if (!known)
     warn_(
         "X, Y and Z were not all programmed before this cut; the missing ones keep their last "
@@ -139,7 +139,7 @@ void KlartextPath::move_line(Vec3 to, const RotaryAngles& angles, std::optional<
   const RotaryAngles before = angles_;
   for (const double turn : {angles.a - before.a, angles.b - before.b, angles.c - before.c})
     if (!(std::abs(turn) <= kTurnInBlockMaxDeg))
-      throw KlartextFault{"", "a rotary axis turns by more than 36000 degrees in one block"};
+      throw ProgramFault{"", "a rotary axis turns by more than 36000 degrees in one block"};
   const bool stays = target == from && angles == before;
   if (!(stays && !sink_.placed() && feed)) {
     if (!approach(pose(target, angles), !feed, named)) {
@@ -172,9 +172,9 @@ void KlartextPath::line(Vec3 to, Vec3 axis, std::optional<double> feed, std::arr
   if (has_rotary_table(kind))
     return line(to, angles_from_axis(scene_.machine, axis, angles_), feed, named);
   if (kind != MachineKinematics::kToolVector && axis.z <= 1 - kVerticalShare)
-    throw KlartextFault{"LN", "turns the tool, which the machine xyz cannot"};
+    throw ProgramFault{"LN", "turns the tool, which the machine xyz cannot"};
   if (dot(axis, plane_axis_) <= kOppositeCosine)
-    throw KlartextFault{"LN", "turns the tool to the opposite direction: the path is not defined"};
+    throw ProgramFault{"LN", "turns the tool to the opposite direction: the path is not defined"};
   beside_.reset();
   const Vec3 from = tip_mm_, target = frame_.in_workpiece(to), before = plane_axis_;
   const bool stays = target == from && axis == before;
@@ -198,7 +198,7 @@ void KlartextPath::move_arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, dou
   const Vec3 start = frame_.programmed(tip_mm_);
   const Arc arc = arc_about(start, to, plane, in_plane(center, plane), turns);
   const int chords = arc.chords(scene_.settings.tolerance_mm);
-  if (chords > kPiecesMax) throw KlartextFault{"", "the arc has too many turns"};
+  if (chords > kPiecesMax) throw ProgramFault{"", "the arc has too many turns"};
   const Vec3 end = frame_.in_workpiece(to);
   if (approach(pose(end, angles_), false, {true, true, true})) {
     tip_mm_ = end;

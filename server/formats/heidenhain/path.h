@@ -43,7 +43,7 @@ struct KlartextApproach {
   bool is_rapid = false;  ///< up to the last line or arc
 };
 
-/// The tool of a Klartext program: its motions in the workpiece. Errors are KlartextFault.
+/// The tool of a Klartext program: its motions in the workpiece. Errors are ProgramFault.
 class KlartextPath {
  public:
   using Warn = std::function<void(const std::string&)>;

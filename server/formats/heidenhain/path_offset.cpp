@@ -30,7 +30,7 @@ void KlartextPath::compensate(int side, double offset_mm) {
   if (approach_) finish_approach();
   const PlanePoint at = in_plane(center_, ArcPlane::kXy);
   if (compensation_.on()) {
-    if (side != 0) throw KlartextFault{"RL", "and RR may follow each other only behind R0"};
+    if (side != 0) throw ProgramFault{"RL", "and RR may follow each other only behind R0"};
     beside_ = compensation_.end(at);
     return;
   }
@@ -53,7 +53,7 @@ void KlartextPath::line(Vec3 to, const RotaryAngles& angles, std::optional<doubl
   const bool starts = compensation_.active() && !compensation_.beside();
   if (starts && angles == angles_) return approach_by_line(to, feed);
   if (approach_ && to.x == approach_->contour.x && to.y == approach_->contour.y) {
-    if (!(angles == angles_)) throw KlartextFault{"RL", "with turning tables is not supported"};
+    if (!(angles == angles_)) throw ProgramFault{"RL", "with turning tables is not supported"};
     if (lifts_.empty()) approach_->level = approach_->contour.z;
     lifts_.push_back({to.z, feed});
     approach_->contour.z = to.z;
@@ -66,7 +66,7 @@ void KlartextPath::line(Vec3 to, const RotaryAngles& angles, std::optional<doubl
     center_ = to;
     return;
   }
-  if (!(angles == angles_)) throw KlartextFault{"RL", "with turning tables is not supported"};
+  if (!(angles == angles_)) throw ProgramFault{"RL", "with turning tables is not supported"};
   const PlanePoint end = compensation_.straight(!feed, in_plane(center_, ArcPlane::kXy),
                                                 in_plane(to, ArcPlane::kXy), info_of(feed, named));
   center_ = from_plane(end, ArcPlane::kXy);
@@ -77,14 +77,14 @@ void KlartextPath::arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, double f
     const Vec3 out = approach_->contour - center;
     begin_contour(turns > 0 ? Vec3{-out.y, out.x, 0} : Vec3{out.y, -out.x, 0});
   }
-  if (approach_) throw KlartextFault{"RL", "is supported for arcs in XY only"};
+  if (approach_) throw ProgramFault{"RL", "is supported for arcs in XY only"};
   beside_.reset();
   if (!compensation_.active()) {
     move_arc(to, plane, center, turns, feed);
     center_ = to;
     return;
   }
-  if (plane != ArcPlane::kXy) throw KlartextFault{"RL", "is supported for arcs in XY only"};
+  if (plane != ArcPlane::kXy) throw ProgramFault{"RL", "is supported for arcs in XY only"};
   const ArcCenter about{.ijk = center, .absolute = true};
   const PlanePoint end = compensation_.arc(
       in_plane(center_, plane), in_plane(to, plane), about, turns < 0, turns < 0 ? -turns : turns,
@@ -125,7 +125,7 @@ void KlartextPath::approach_by_line(Vec3 to, std::optional<double> feed) {
 // Without a contour a line ends across its own direction.
 void KlartextPath::finish_approach() {
   if (approach_->kind != KlartextApproach::Kind::kDirect)
-    throw KlartextFault{"APPR", "must be followed by a contour in the plane XY"};
+    throw ProgramFault{"APPR", "must be followed by a contour in the plane XY"};
   begin_contour(approach_->contour - frame_.programmed(tip_mm_));
 }
 

@@ -7,8 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/compensation.h"
-#include "server/formats/gcode/fault.h"
 #include "server/formats/heidenhain/flow.h"
 #include "server/formats/heidenhain/machine.h"
 #include "server/formats/motion_sink.h"
@@ -58,9 +58,7 @@ class KlartextReader final : public ProgramReader {
       const KlartextBlock* block = flow_.next();
       runs_ = block != nullptr && (flow_.execute() || !machine_.execute(*block, flow_.following()));
       if (!runs_) machine_.finish();
-    } catch (const KlartextFault& fault) {
-      return error(fault.word, fault.reason);
-    } catch (const GcodeFault& fault) {
+    } catch (const ProgramFault& fault) {
       return error(fault.word, fault.reason);
     }
     return std::nullopt;
@@ -112,7 +110,7 @@ std::expected<ReadProgram, ProgramError> read_klartext(const std::string& name,
                       ": RL and RR displace by 0, as for a path of the tool's center: the tool's "
                       "radius is not possible here");
     return again || again.error().line > first.error().line ? std::move(again) : std::move(first);
-  } catch (const KlartextFault& fault) {
+  } catch (const ProgramFault& fault) {
     return std::unexpected(ProgramError{name, 0, fault.word, fault.reason, std::string(kLanguage)});
   }
 }

@@ -52,8 +52,8 @@ class Formula {
 
   double value() {
     const double result = sum();
-    if (at_ != text_.size()) throw KlartextFault{text_.substr(at_), "is not part of a formula"};
-    if (!std::isfinite(result)) throw KlartextFault{text_, "has no finite value"};
+    if (at_ != text_.size()) throw ProgramFault{text_.substr(at_), "is not part of a formula"};
+    if (!std::isfinite(result)) throw ProgramFault{text_, "has no finite value"};
     return result;
   }
 
@@ -65,7 +65,7 @@ class Formula {
   }
 
   double sum() {
-    if (++nesting_ > kNestingMax) throw KlartextFault{text_, "is nested too deep"};
+    if (++nesting_ > kNestingMax) throw ProgramFault{text_, "is nested too deep"};
     double result = product();
     while (true) {
       if (take("+")) {
@@ -100,7 +100,7 @@ class Formula {
   }
 
   double factor() {
-    if (++nesting_ > kNestingMax) throw KlartextFault{text_, "is nested too deep"};
+    if (++nesting_ > kNestingMax) throw ProgramFault{text_, "is nested too deep"};
     const double result = signed_factor();
     --nesting_;
     return result;
@@ -111,7 +111,7 @@ class Formula {
     if (take("+")) return factor();
     if (take("(")) {
       const double inner = sum();
-      if (!take(")")) throw KlartextFault{text_, "lacks ')'"};
+      if (!take(")")) throw ProgramFault{text_, "lacks ')'"};
       return inner;
     }
     if (take("PI")) return std::numbers::pi;
@@ -139,7 +139,7 @@ double KlartextValues::of(const std::string& word) const {
   if (rest.starts_with('-') || rest.starts_with('+')) rest.remove_prefix(1);
   if (rest.starts_with('Q')) {
     const auto it = values_.find(std::string(rest));
-    if (it == values_.end()) throw KlartextFault{std::string(rest), "has no value yet"};
+    if (it == values_.end()) throw ProgramFault{std::string(rest), "has no value yet"};
     return sign * it->second;
   }
   double value = 0;
@@ -147,7 +147,7 @@ double KlartextValues::of(const std::string& word) const {
   const bool whole = read.ptr == rest.data() + rest.size() ||
                      (read.ptr + 1 == rest.data() + rest.size() && *read.ptr == '.');
   if (rest.empty() || read.ec != std::errc{} || !whole || !std::isfinite(value))
-    throw KlartextFault{word, rest.empty() ? "a number is missing" : "is not a number"};
+    throw ProgramFault{word, rest.empty() ? "a number is missing" : "is not a number"};
   return sign * value;
 }
 
@@ -159,8 +159,8 @@ bool KlartextValues::assign(std::string_view text) {
   std::string name(text.substr(0, sign));
   std::erase(name, ' ');
   if (name.size() < 2 || !is_digit(name.back()) || name.size() > 8)
-    throw KlartextFault{name, "is not a numbered parameter (Q1, QL1, QR1), which is needed here"};
-  if (values_.size() >= kParametersMax) throw KlartextFault{name, "is one parameter too many"};
+    throw ProgramFault{name, "is not a numbered parameter (Q1, QL1, QR1), which is needed here"};
+  if (values_.size() >= kParametersMax) throw ProgramFault{name, "is one parameter too many"};
   values_[name] = formula(text.substr(sign + 1));
   return true;
 }

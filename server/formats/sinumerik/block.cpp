@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/letter_case.h"
 #include "server/formats/number_text.h"
 
@@ -27,7 +27,7 @@ class Words {
  private:
   SinumerikWord next() {
     if (!is_letter(text_[at_]))
-      throw GcodeFault{std::string(text_.substr(at_)), "does not begin a word"};
+      throw ProgramFault{std::string(text_.substr(at_)), "does not begin a word"};
     std::size_t letters = at_;
     while (letters < text_.size() && is_letter(text_[letters])) ++letters;
     std::size_t end = letters;
@@ -47,7 +47,7 @@ class Words {
       word.kind = SinumerikWord::Kind::kCall;
       word.text = in_parentheses();
     } else if (at_ < text_.size() && text_[at_] == '[') {
-      throw GcodeFault{word.name + "[", "is an array, which is not supported"};
+      throw ProgramFault{word.name + "[", "is an array, which is not supported"};
     }
     return word;
   }
@@ -55,9 +55,9 @@ class Words {
   // R[…]
   void index(std::string& name) {
     const std::size_t close = text_.find(']', at_);
-    if (close == std::string_view::npos) throw GcodeFault{name + "[", "lacks ']'"};
+    if (close == std::string_view::npos) throw ProgramFault{name + "[", "lacks ']'"};
     const double number = values_.of(text_.substr(at_ + 1, close - at_ - 1));
-    if (!(number >= 0 && number < 1e5)) throw GcodeFault{"R[", "has an index out of range"};
+    if (!(number >= 0 && number < 1e5)) throw ProgramFault{"R[", "has an index out of range"};
     name += std::to_string(static_cast<long>(number));
     at_ = close + 1;
   }
@@ -68,7 +68,7 @@ class Words {
     if (word.name == "R" && number < text_.size() && text_[number] == '[') {
       at_ = number;
       index(word.name);
-      if (!assigns(at_)) throw GcodeFault{word.name, "is not assigned"};
+      if (!assigns(at_)) throw ProgramFault{word.name, "is not assigned"};
       at_ = skip_blanks(text_, at_) + 1;
       assigned(word);
       return word;
@@ -94,7 +94,8 @@ class Words {
     skip();
     if (at_ < text_.size() && text_[at_] == '"') {
       const std::size_t end = text_.find('"', at_ + 1);
-      if (end == std::string_view::npos) throw GcodeFault{word.name, "has a text without its end"};
+      if (end == std::string_view::npos)
+        throw ProgramFault{word.name, "has a text without its end"};
       word.kind = SinumerikWord::Kind::kText;
       word.text = std::string(text_.substr(at_ + 1, end - at_ - 1));
       at_ = end + 1;
@@ -104,7 +105,7 @@ class Words {
     for (const std::string_view how : {"AC(", "IC(", "DC(", "ACP(", "ACN("}) {
       if (!text_.substr(at_).starts_with(how)) continue;
       if (how == "ACP(" || how == "ACN(")
-        throw GcodeFault{word.name, "with ACP or ACN is not supported; use AC, IC or DC"};
+        throw ProgramFault{word.name, "with ACP or ACN is not supported; use AC, IC or DC"};
       word.how = how == "IC(" ? SinumerikWord::How::kIncremental : SinumerikWord::How::kAbsolute;
       at_ += how.size() - 1;
       word.value = values_.of(in_parentheses());
@@ -125,7 +126,7 @@ class Words {
       at_ = end + 1;
       return inside;
     }
-    throw GcodeFault{std::string(text_.substr(at_)), "lacks ')'"};
+    throw ProgramFault{std::string(text_.substr(at_)), "lacks ')'"};
   }
 
   void skip() { at_ = skip_blanks(text_, at_); }

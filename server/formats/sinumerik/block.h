@@ -24,7 +24,7 @@ struct SinumerikWord {
 };
 
 /// Divides a block in capital letters, without comment and number, into words and computes their
-/// values. Throws GcodeFault.
+/// values. Throws ProgramFault.
 std::vector<SinumerikWord> sinumerik_words(std::string_view block, const SinumerikValues& values);
 
 /// Divides the text of a call at its commas. A missing argument is nullopt, a text in quotes 0.

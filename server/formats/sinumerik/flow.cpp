@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/letter_case.h"
 #include "server/formats/text_lines.h"
 
@@ -99,8 +99,8 @@ void SinumerikProgram::match() {
   for (std::size_t n = 0; n < size(); ++n) {
     const std::string text = line(n).text;
     const auto unmatched = [n](std::string_view word) {
-      return GcodeFault{std::string(word),
-                        "in line " + std::to_string(n + 1) + " has no other end"};
+      return ProgramFault{std::string(word),
+                          "in line " + std::to_string(n + 1) + " has no other end"};
     };
     if (begins_word(text, "ELSE")) {
       if (open.empty() || open.back().second->head != "IF") throw unmatched("ELSE");
@@ -119,13 +119,13 @@ void SinumerikProgram::match() {
     }
   }
   if (!open.empty())
-    throw GcodeFault{std::string(open.back().second->head),
-                     "in line " + std::to_string(open.back().first + 1) + " has no end"};
+    throw ProgramFault{std::string(open.back().second->head),
+                       "in line " + std::to_string(open.back().first + 1) + " has no end"};
 }
 
 std::size_t SinumerikProgram::partner(std::size_t n) const {
   const auto found = partners_.find(n);
-  if (found == partners_.end()) throw GcodeFault{line(n).text, "has no other end"};
+  if (found == partners_.end()) throw ProgramFault{line(n).text, "has no other end"};
   return found->second;
 }
 
@@ -141,7 +141,7 @@ std::optional<std::size_t> SinumerikProgram::label(const std::string& name, std:
 
 std::optional<SinumerikLine> SinumerikFlow::next() {
   while (at_ < program_.size()) {
-    if (left_-- == 0) throw GcodeFault{"", "the program executes too many lines"};
+    if (left_-- == 0) throw ProgramFault{"", "the program executes too many lines"};
     SinumerikLine line = program_.line(at_++);
     if (!control(line.text)) return line;
   }
@@ -155,7 +155,7 @@ bool SinumerikFlow::jump(std::string_view text) {
     const std::string target(after(text, word));
     const auto found = program_.label(target, at_ - 1, word.size() > 4 ? word[4] : ' ');
     if (!found && word == "GOTOC") return true;
-    if (!found) throw GcodeFault{target, "is no label in this direction"};
+    if (!found) throw ProgramFault{target, "is no label in this direction"};
     at_ = *found;
     return true;
   }
@@ -199,10 +199,10 @@ double SinumerikFlow::limit_of(std::string_view head, std::string& name,
   const std::string_view rest = after(head, "FOR");
   const std::size_t sign = rest.find('='), to = rest.find(" TO ");
   if (sign == std::string_view::npos || to == std::string_view::npos || to < sign)
-    throw GcodeFault{std::string(head), "must be FOR name = value TO value"};
+    throw ProgramFault{std::string(head), "must be FOR name = value TO value"};
   name = std::string(rest.substr(0, sign));
   while (name.ends_with(' ')) name.pop_back();
-  if (!values_.has(name)) throw GcodeFault{name, "is not a variable of the program"};
+  if (!values_.has(name)) throw ProgramFault{name, "is not a variable of the program"};
   start = rest.substr(sign + 1, to - sign - 1);
   return values_.of(rest.substr(to + 4));
 }

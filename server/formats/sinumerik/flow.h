@@ -20,7 +20,7 @@ struct SinumerikLine {
 };
 
 /// The lines of a program, with the positions of its structures and labels. `text` must outlive it.
-/// Throws GcodeFault, with the line in at(), for structures that do not match.
+/// Throws ProgramFault, with the line in at(), for structures that do not match.
 class SinumerikProgram {
  public:
   explicit SinumerikProgram(std::string_view text);
@@ -30,7 +30,7 @@ class SinumerikProgram {
   /// The line as written.
   std::string_view written(std::size_t n) const;
   /// The other end of a structure: IF and ELSE lead to the next ELSE or ENDIF, ends of loops to
-  /// their heads and heads to their ends. Throws GcodeFault without one.
+  /// their heads and heads to their ends. Throws ProgramFault without one.
   std::size_t partner(std::size_t n) const;
   /// The line with a label or number, searched forward, backward or in this order.
   std::optional<std::size_t> label(const std::string& name, std::size_t from, char direction) const;
@@ -50,7 +50,7 @@ class SinumerikFlow {
   SinumerikFlow(const SinumerikProgram& program, SinumerikValues& values, std::size_t executed_max)
       : program_(program), values_(values), left_(executed_max) {}
 
-  /// The next line that is not control flow, or nullopt at the end. Throws GcodeFault.
+  /// The next line that is not control flow, or nullopt at the end. Throws ProgramFault.
   std::optional<SinumerikLine> next();
   /// The number of the line that next() returned or failed at, from 1.
   std::size_t line() const { return at_; }

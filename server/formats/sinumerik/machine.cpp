@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/letter_case.h"
 #include "server/formats/units.h"
 
@@ -36,7 +36,7 @@ bool has_no_effect(const std::string& name) {
 int integer(const SinumerikWord& word) {
   if (word.kind != SinumerikWord::Kind::kValue || word.value != std::floor(word.value) ||
       word.value < 0 || word.value > kCodeMax)
-    throw GcodeFault{word.name, "requires an integer from 0 to 9999"};
+    throw ProgramFault{word.name, "requires an integer from 0 to 9999"};
   return static_cast<int>(word.value);
 }
 
@@ -81,10 +81,10 @@ bool SinumerikMachine::execute(const SinumerikLine& line, std::size_t number) {
   assign(words);
   for (const SinumerikWord& word : words)
     if (!word.used)
-      throw GcodeFault{word.name, word.kind == SinumerikWord::Kind::kCall
-                                      ? "calls a cycle or subprogram that is not supported; post "
-                                        "its motions"
-                                      : "is not a supported word of a block"};
+      throw ProgramFault{word.name, word.kind == SinumerikWord::Kind::kCall
+                                        ? "calls a cycle or subprogram that is not supported; post "
+                                          "its motions"
+                                        : "is not a supported word of a block"};
   return ends_;
 }
 
@@ -92,11 +92,12 @@ bool SinumerikMachine::execute(const SinumerikLine& line, std::size_t number) {
 bool SinumerikMachine::statement(const std::string& text) {
   if (begins_word(text, "DEF")) return define(text.substr(3)), true;
   if (begins_word(text, "PROC") || begins_word(text, "EXTERN")) return true;
-  if (begins_word(text, "RET")) throw GcodeFault{"RET", "outside of a subprogram is not supported"};
+  if (begins_word(text, "RET"))
+    throw ProgramFault{"RET", "outside of a subprogram is not supported"};
   for (const std::string_view word :
        {"CASE", "REPEAT", "CALL", "EXTCALL", "MCALL", "G290", "G291", "DEFINE", "REPEATB"})
     if (begins_word(text, word) && !(word == "MCALL"))
-      throw GcodeFault{std::string(word), "is not supported; post the motions of the program"};
+      throw ProgramFault{std::string(word), "is not supported; post the motions of the program"};
   return false;
 }
 
@@ -110,12 +111,12 @@ void SinumerikMachine::define(std::string text) {
     while (end < text.size() && is_sinumerik_name(text[end])) ++end;
     const std::string name = text.substr(at, end - at);
     if (name.empty() || is_digit(name[0]) || (end < text.size() && text[end] == '['))
-      throw GcodeFault{"DEF", "must name variables; arrays are not supported"};
+      throw ProgramFault{"DEF", "must name variables; arrays are not supported"};
     values_.define(name);
     at = skip_blanks(text, end);
     if (at < text.size() && text[at] == '=') values_.set(name, values_.expression(text, ++at));
     at = skip_blanks(text, at);
-    if (at < text.size() && text[at++] != ',') throw GcodeFault{"DEF", "lacks ',' between names"};
+    if (at < text.size() && text[at++] != ',') throw ProgramFault{"DEF", "lacks ',' between names"};
   }
 }
 
@@ -160,7 +161,7 @@ void SinumerikMachine::keyword(SinumerikWord& word) {
   } else if (name == "CIP") {
     motion_ = Motion::kThroughPoint;
   } else if (name == "CT" || name == "ASPLINE" || name == "BSPLINE" || name == "CSPLINE") {
-    throw GcodeFault{name, "is not supported; post lines and arcs"};
+    throw ProgramFault{name, "is not supported; post lines and arcs"};
   } else {
     word.used = has_no_effect(name);
   }
@@ -169,7 +170,7 @@ void SinumerikMachine::keyword(SinumerikWord& word) {
 void SinumerikMachine::g_code(const SinumerikWord& word) {
   const int code = integer(word);
   const std::string name = "G" + std::to_string(code);
-  const auto refuse = [&name](const char* reason) { throw GcodeFault{name, reason}; };
+  const auto refuse = [&name](const char* reason) { throw ProgramFault{name, reason}; };
   if (code <= 3) motion_ = static_cast<Motion>(code);
   if (code == 4) dwells_ = true;
   if (code == 17 || code == 18 || code == 19) {
@@ -234,7 +235,7 @@ void SinumerikMachine::select_tool(const SinumerikWord& word) {
     return;
   }
   if (!(word.value >= 0 && word.value <= kToolMax && word.value == std::floor(word.value)))
-    throw GcodeFault{"T", "is not a tool number"};
+    throw ProgramFault{"T", "is not a tool number"};
   selected_ = static_cast<ToolId>(word.value);
 }
 

@@ -22,7 +22,7 @@
 namespace kerf {
 
 /// Executes the blocks of a SINUMERIK program and sends its motions to a GcodeCanon. Throws
-/// GcodeFault.
+/// ProgramFault.
 class SinumerikMachine {
  public:
   using Warn = std::function<void(const std::string&)>;

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/sinumerik/machine.h"
 
 namespace kerf {
@@ -30,7 +30,7 @@ constexpr AreaCycle kAreaCycles[] = {
 constexpr double kFaceShare = 0.8;
 
 AreaPath taken(AreaResult result, std::string_view cycle) {
-  if (!result) throw GcodeFault{std::string(cycle), result.error()};
+  if (!result) throw ProgramFault{std::string(cycle), result.error()};
   return *std::move(result);
 }
 
@@ -79,27 +79,27 @@ bool SinumerikMachine::area_statement(std::string_view name,
   const auto mm = [&](int at) { return value(at) * unit_mm_; };
   for (std::size_t i = static_cast<std::size_t>(rule->count); i < given.size(); ++i)
     if (given[i].value_or(0) != 0)
-      throw GcodeFault{word, "with the arguments of later controls (modes) is not supported"};
-  if (plane_ != ArcPlane::kXy) throw GcodeFault{word, "is supported in the plane XY (G17) only"};
+      throw ProgramFault{word, "with the arguments of later controls (modes) is not supported"};
+  if (plane_ != ArcPlane::kXy) throw ProgramFault{word, "is supported in the plane XY (G17) only"};
   refuse_compensated(word);
   const bool facing = name == "CYCLE71";
   for (const int at : {rule->length, rule->width})
     if (at >= 0 && (value(at) == 0 || (!facing && value(at) < 0)))
-      throw GcodeFault{word, "requires lengths above 0, which count from the center"};
+      throw ProgramFault{word, "requires lengths above 0, which count from the center"};
   const auto variant = static_cast<int>(std::abs(value(rule->variant))) % 10;
-  if (variant > 2) throw GcodeFault{word, "requires a machining type (VARI) of 1 or 2"};
+  if (variant > 2) throw ProgramFault{word, "requires a machining type (VARI) of 1 or 2"};
   Area area;
   area.retract = mm(0);
   area.reference = mm(1);
   area.safety = std::abs(mm(2));
   if (rule->dpr < 0 || (given.size() > 3 && given[3])) {
-    if (given.size() <= 3 || !given[3]) throw GcodeFault{word, "requires DP, the depth"};
+    if (given.size() <= 3 || !given[3]) throw ProgramFault{word, "requires DP, the depth"};
     area.bottom = mm(3);
   } else {
     area.bottom = area.reference - std::abs(mm(rule->dpr));
   }
   if (!(area.bottom < area.reference))
-    throw GcodeFault{word, "has a depth that is not below its reference plane"};
+    throw ProgramFault{word, "has a depth that is not below its reference plane"};
   const bool finishes = variant == 2;
   const double side = finishes ? 0 : std::abs(mm(rule->side));
   const double floor = finishes ? 0 : std::abs(mm(rule->floor));
@@ -128,7 +128,7 @@ void SinumerikMachine::mill(const Area& area, const std::string& word) {
   std::size_t moves = 0;
   for (const auto& pass : area.passes) moves += pass.first.size();
   if (moves > kAreaMovesMax)
-    throw GcodeFault{word, "takes more than 100000 moves; state a larger infeed"};
+    throw ProgramFault{word, "takes more than 100000 moves; state a larger infeed"};
   const GcodeFeed along =
       area.feed ? GcodeFeed{.mm_per_min = *area.feed, .deg_per_min = *area.feed} : feed();
   const GcodeFeed down =

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/sinumerik/machine.h"
 
 namespace kerf {
@@ -20,7 +20,7 @@ constexpr double kLevelMm = 1e-9;
 void SinumerikMachine::read_corner(Words& words, Corner& corner) {
   const auto mm = [&](const char* name) {
     const SinumerikWord* word = take(words, name);
-    if (word != nullptr && word->value < 0) throw GcodeFault{name, "must not be negative"};
+    if (word != nullptr && word->value < 0) throw ProgramFault{name, "must not be negative"};
     return word != nullptr ? std::optional(word->value * unit_mm_) : std::nullopt;
   };
   if (const auto modal = mm("RNDM")) modal_round_mm_ = *modal;
@@ -31,7 +31,7 @@ void SinumerikMachine::read_corner(Words& words, Corner& corner) {
 
 void SinumerikMachine::require_no_corner(const std::string& word) const {
   if (corner_ && !corner_->is_modal())
-    throw GcodeFault{word, "behind RND, CHF and CHR, which a line (G1) must follow"};
+    throw ProgramFault{word, "behind RND, CHF and CHR, which a line (G1) must follow"};
 }
 
 // Makes the delayed line up to the corner unchanged.
@@ -56,8 +56,8 @@ void SinumerikMachine::cut_corner(const GcodeAxes& next) {
                                                : corner.radius_mm / std::tan(half);
   const bool fits = level && reach <= std::min(distance(a, b), distance(b, c)) + kLevelMm;
   if (!fits && !corner.is_modal())
-    throw GcodeFault{"RND", level ? "RND, CHF or CHR is larger than one of its lines"
-                                  : "RND, CHF and CHR require two lines within the active plane"};
+    throw ProgramFault{"RND", level ? "RND, CHF or CHR is larger than one of its lines"
+                                    : "RND, CHF and CHR require two lines within the active plane"};
   if (!fits || std::abs(turn) < 1e-9)
     return go_straight(corner.at, corner.named, false, corner.feed);
   const PlanePoint start = offset_point(b, -reach, in), end = offset_point(b, reach, out);

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/sinumerik/machine.h"
 
 namespace kerf {
@@ -52,10 +52,10 @@ bool SinumerikMachine::cycle_statement(const std::string& text) {
     return true;
   const auto* rule = std::ranges::find(kHoleCycles, name, &HoleCycle::name);
   if (rule == std::end(kHoleCycles) || open == std::string_view::npos) {
-    if (modal) throw GcodeFault{"MCALL", "is supported with CYCLE81 to CYCLE89 only"};
+    if (modal) throw ProgramFault{"MCALL", "is supported with CYCLE81 to CYCLE89 only"};
     return false;
   }
-  if (!call.ends_with(')')) throw GcodeFault{std::string(name), "lacks ')'"};
+  if (!call.ends_with(')')) throw ProgramFault{std::string(name), "lacks ')'"};
   const auto given = sinumerik_arguments(call.substr(open + 1, call.size() - open - 2), values_);
   const auto value = [&given](int place) {
     const auto at = static_cast<std::size_t>(place);
@@ -65,14 +65,15 @@ bool SinumerikMachine::cycle_statement(const std::string& text) {
   const double surface = value(1).value_or(0);
   hole.retract = value(0).value_or(0) * unit_mm_;
   hole.above = (surface + std::abs(value(2).value_or(0))) * unit_mm_;
-  if (!value(3) && !value(4)) throw GcodeFault{std::string(name), "requires DP or DPR, the depth"};
+  if (!value(3) && !value(4))
+    throw ProgramFault{std::string(name), "requires DP or DPR, the depth"};
   // DP counts if both are given.
   hole.bottom = (value(3) ? *value(3) : surface - std::abs(*value(4))) * unit_mm_;
   hole.seconds = std::max(0.0, value(rule->dwell).value_or(0));
   if (value(rule->feed)) hole.feed = *value(rule->feed) * feed_unit_mm_;
   if (rule->name.starts_with("CYCLE84") && !(feed_ > 0)) hole.feed = kTapFeed;
   if (hole.bottom > hole.above)
-    throw GcodeFault{std::string(name), "has a depth above its reference plane"};
+    throw ProgramFault{std::string(name), "has a depth above its reference plane"};
   if (modal) return modal_hole_ = hole, true;
   hole_ = hole;
   drill();
@@ -83,16 +84,16 @@ bool SinumerikMachine::cycle_statement(const std::string& text) {
 // (CYCLE801).
 void SinumerikMachine::drill_pattern(std::string_view name,
                                      const std::vector<std::optional<double>>& given) {
-  if (!modal_hole_) throw GcodeFault{std::string(name), "requires MCALL with a drilling cycle"};
+  if (!modal_hole_) throw ProgramFault{std::string(name), "requires MCALL with a drilling cycle"};
   if (plane_ != ArcPlane::kXy)
-    throw GcodeFault{std::string(name), "is supported in the plane XY (G17) only"};
+    throw ProgramFault{std::string(name), "is supported in the plane XY (G17) only"};
   const auto value = [&given](std::size_t at) {
     return at < given.size() ? given[at].value_or(0) : 0.0;
   };
   const auto count = [&](std::size_t at) {
     const double n = value(at);
     if (!(n >= 1 && n <= kHolesMax && n == std::floor(n)))
-      throw GcodeFault{std::string(name), "requires the number of holes, from 1 to 10000"};
+      throw ProgramFault{std::string(name), "requires the number of holes, from 1 to 10000"};
     return static_cast<int>(n);
   };
   const auto turned = [](double x, double y, double deg) {
@@ -146,7 +147,8 @@ void SinumerikMachine::drill() {
   };
   const GcodeFeed speed =
       hole_->feed ? GcodeFeed{.mm_per_min = *hole_->feed, .deg_per_min = *hole_->feed} : feed();
-  if (!(speed.mm_per_min > 0)) throw GcodeFault{"CYCLE", "requires a feed in mm per minute (G94)"};
+  if (!(speed.mm_per_min > 0))
+    throw ProgramFault{"CYCLE", "requires a feed in mm per minute (G94)"};
   go(hole_->above, true, {});
   go(hole_->bottom, false, speed);
   if (hole_->seconds > 0) canon_.dwell(hole_->seconds);

@@ -2,7 +2,7 @@
 // Frames of SinumerikMachine, and the control that follows the tool.
 #include <cmath>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/sinumerik/machine.h"
 
 namespace kerf {
@@ -12,7 +12,7 @@ bool SinumerikMachine::frame_statement(const std::string& text) {
   for (const std::string_view word : {"SCALE", "ASCALE", "MIRROR", "AMIRROR", "ROTS", "AROTS",
                                       "CROTS", "TOROT", "TOFRAME", "PAROT"})
     if (begins_word(text, word))
-      throw GcodeFault{std::string(word), "is not supported; post the motions in the workpiece"};
+      throw ProgramFault{std::string(word), "is not supported; post the motions in the workpiece"};
   for (const std::string_view word : {"TRANS", "ATRANS", "ROT", "AROT"}) {
     if (!begins_word(text, word)) continue;
     refuse_compensated(std::string(word));
@@ -24,7 +24,7 @@ bool SinumerikMachine::frame_statement(const std::string& text) {
       rotate(words, adds);
     }
     for (const SinumerikWord& one : words)
-      if (!one.used) throw GcodeFault{one.name, "is not a word of " + std::string(word)};
+      if (!one.used) throw ProgramFault{one.name, "is not a word of " + std::string(word)};
     return true;
   }
   return false;
@@ -50,12 +50,12 @@ void SinumerikMachine::rotate(Words& words, bool adds) {
   if (!adds) frame_ = {};
   for (SinumerikWord& word : words) {
     if (word.name == "RPL" && plane_ != ArcPlane::kXy)
-      throw GcodeFault{"RPL", "is supported in the plane XY (G17) only"};
+      throw ProgramFault{"RPL", "is supported in the plane XY (G17) only"};
     const bool about_z = word.name == "Z" || word.name == "RPL";
     if (!about_z && word.value != 0)
-      throw GcodeFault{word.name,
-                       "tilts the plane, which is not supported; post the motions in "
-                       "the workpiece"};
+      throw ProgramFault{word.name,
+                         "tilts the plane, which is not supported; post the motions in "
+                         "the workpiece"};
     if (about_z) frame_.rotation_deg += word.value;
     word.used = true;
   }
@@ -64,11 +64,11 @@ void SinumerikMachine::rotate(Words& words, bool adds) {
 // The machine does not move. The coordinates of its position change.
 void SinumerikMachine::follow_tool(bool on) {
   if (on && scene_.machine.kinematics == MachineKinematics::kXyz)
-    throw GcodeFault{"TRAORI",
-                     "requires a scene whose machine is xyzac-trt, xyzbc-trt or "
-                     "tool-vector"};
+    throw ProgramFault{"TRAORI",
+                       "requires a scene whose machine is xyzac-trt, xyzbc-trt or "
+                       "tool-vector"};
   refuse_compensated("TRAORI");
-  if (on && tilted_) throw GcodeFault{"TRAORI", "in a plane of CYCLE800 is not supported"};
+  if (on && tilted_) throw ProgramFault{"TRAORI", "in a plane of CYCLE800 is not supported"};
   follows_tool_ = on;
   at_ = canon_.control_tool_center(on, {at_, axis_}).axes;
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/sinumerik/machine.h"
 
 namespace kerf {
@@ -29,10 +29,10 @@ GcodePlace SinumerikMachine::place(const GcodeAxes& programmed) const {
 
 GcodeFeed SinumerikMachine::feed() const {
   require_no_swivel();
-  if (!(feed_ > 0)) throw GcodeFault{"", "the feed is 0; give F before the first cutting motion"};
+  if (!(feed_ > 0)) throw ProgramFault{"", "the feed is 0; give F before the first cutting motion"};
   if (feed_mode_ == FeedMode::kInverse) return {.duration_s = 60 / feed_};
   const double turns = feed_mode_ == FeedMode::kPerRevolution ? rpm_ : 1;
-  if (!(turns > 0)) throw GcodeFault{"G95", "requires a spindle speed S above 0"};
+  if (!(turns > 0)) throw ProgramFault{"G95", "requires a spindle speed S above 0"};
   return {.mm_per_min = feed_ * feed_unit_mm_ * turns, .deg_per_min = feed_ * turns};
 }
 
@@ -52,16 +52,16 @@ GcodeAxes SinumerikMachine::target(Words& words, Named& named) {
   for (SinumerikWord& word : words) {
     const std::size_t axis = kAxes.find(word.name);
     if (word.used || word.name.size() != 1 || axis == std::string_view::npos) continue;
-    if (word.kind != SinumerikWord::Kind::kValue) throw GcodeFault{word.name, "has no value"};
+    if (word.kind != SinumerikWord::Kind::kValue) throw ProgramFault{word.name, "has no value"};
     const MachineKinematics kind = scene_.machine.kinematics;
     const bool exists = axis < 3 || (axis == 5 && has_rotary_table(kind)) ||
                         (axis == 3 && kind == MachineKinematics::kXyzacTrt) ||
                         (axis == 4 && kind == MachineKinematics::kXyzbcTrt);
     if (!exists)
-      throw GcodeFault{word.name, "the machine " + std::string(to_string(kind)) + " has no " +
-                                      word.name + " axis"};
+      throw ProgramFault{word.name, "the machine " + std::string(to_string(kind)) + " has no " +
+                                        word.name + " axis"};
     if (axis >= 3 && tilted_)
-      throw GcodeFault{word.name, "turns a table in a plane of CYCLE800, which is not supported"};
+      throw ProgramFault{word.name, "turns a table in a plane of CYCLE800, which is not supported"};
     const bool adds = word.how == SinumerikWord::How::kIncremental ||
                       (word.how == SinumerikWord::How::kModal && incremental_);
     to[axis] = word.value * (axis < 3 ? unit_mm_ : 1) + (adds ? to[axis] : 0);
@@ -76,14 +76,14 @@ std::optional<Vec3> SinumerikMachine::tool_axis(Words& words) {
   if (std::ranges::none_of(parts, [](const auto* word) { return word != nullptr; }))
     return std::nullopt;
   if (scene_.machine.kinematics != MachineKinematics::kToolVector)
-    throw GcodeFault{"A3",
-                     "gives the tool's direction, which requires a scene whose machine is "
-                     "tool-vector"};
-  if (!follows_tool_) throw GcodeFault{"A3", "requires TRAORI before it"};
+    throw ProgramFault{"A3",
+                       "gives the tool's direction, which requires a scene whose machine is "
+                       "tool-vector"};
+  if (!follows_tool_) throw ProgramFault{"A3", "requires TRAORI before it"};
   Vec3 axis{0, 0, 0};
   for (std::size_t i = 0; i < 3; ++i)
     if (parts[i] != nullptr) part(axis, i) = parts[i]->value;
-  if (!(length(axis) > 1e-6)) throw GcodeFault{"A3", "must not be the vector 0, 0, 0"};
+  if (!(length(axis) > 1e-6)) throw ProgramFault{"A3", "must not be the vector 0, 0, 0"};
   double x = axis.x, y = axis.y;
   turn_xy(x, y, frame_.rotation_deg);
   return Vec3{x, y, axis.z};
@@ -103,9 +103,10 @@ void SinumerikMachine::move(Words& words) {
   if (circle && (any || std::ranges::any_of(words, [](const SinumerikWord& word) {
                    return !word.used && (word.name == "I" || word.name == "J" || word.name == "K");
                  }))) {
-    if (axis) throw GcodeFault{"A3", "beside an arc is not supported"};
+    if (axis) throw ProgramFault{"A3", "beside an arc is not supported"};
     if (corner.own && corner.any())
-      throw GcodeFault{"RND", "RND, CHF and CHR beside an arc are not supported; post the corner"};
+      throw ProgramFault{"RND",
+                         "RND, CHF and CHR beside an arc are not supported; post the corner"};
     require_no_corner("G2");
     release_corner();
     arc(words, to, named);
@@ -131,7 +132,7 @@ void SinumerikMachine::line(const GcodeAxes& to, const Named& named, bool turns,
   }
   if (!corner.any() || rapid || tables || feed_mode_ == FeedMode::kInverse) {
     if (corner.own && corner.any())
-      throw GcodeFault{"RND", "RND, CHF and CHR require a line (G1) of X, Y and Z"};
+      throw ProgramFault{"RND", "RND, CHF and CHR require a line (G1) of X, Y and Z"};
     return go_straight(to, named, rapid, speed);
   }
   corner.at = to;
@@ -187,9 +188,9 @@ PlanePoint SinumerikMachine::center(Words& words, Vec3 from, Vec3 to, bool& cloc
     part(given.ijk, i) = word->value * unit_mm_ - (absolute ? part(from, i) : 0);
   }
   if (!any)
-    throw GcodeFault{"G" + std::to_string(static_cast<int>(motion_)),
-                     "requires a center (I J K) or a radius (CR=); AR= and polar coordinates are "
-                     "not supported"};
+    throw ProgramFault{"G" + std::to_string(static_cast<int>(motion_)),
+                       "requires a center (I J K) or a radius (CR=); AR= and polar coordinates are "
+                       "not supported"};
   return arc_center(from, to, plane_, given, clockwise);
 }
 
@@ -207,13 +208,13 @@ PlanePoint SinumerikMachine::through(Words& words, Vec3 from, Vec3 to, bool& clo
   const PlanePoint a = in_plane(from, plane_), b = in_plane(middle, plane_),
                    c = in_plane(to, plane_);
   if (std::abs(b.normal - a.normal) > 1e-6 || std::abs(c.normal - a.normal) > 1e-6)
-    throw GcodeFault{"CIP", "whose circle is not parallel to the plane is not supported"};
+    throw ProgramFault{"CIP", "whose circle is not parallel to the plane is not supported"};
   const double bx = b.first - a.first, by = b.second - a.second;
   const double cx = c.first - a.first, cy = c.second - a.second;
   const double area = bx * cy - by * cx;
   const double b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
   if (!(std::abs(area) > 1e-9 * (b2 + c2)))
-    throw GcodeFault{"CIP", "requires three points that are not on a line"};
+    throw ProgramFault{"CIP", "requires three points that are not on a line"};
   clockwise = area < 0;
   return {a.first + (cy * b2 - by * c2) / (2 * area), a.second + (bx * c2 - cx * b2) / (2 * area),
           a.normal};
@@ -227,7 +228,7 @@ void SinumerikMachine::arc(Words& words, const GcodeAxes& to, const Named& named
   int turns = 1;
   if (const SinumerikWord* word = take(words, "TURN")) {
     if (!(word->value >= 0 && word->value <= kTurnsMax && word->value == std::floor(word->value)))
-      throw GcodeFault{"TURN", "must be an integer from 0 to 1000"};
+      throw ProgramFault{"TURN", "must be an integer from 0 to 1000"};
     turns += static_cast<int>(word->value);
   }
   go_round(to, named, middle, clockwise, turns, feed());
@@ -263,7 +264,7 @@ void SinumerikMachine::dwell(Words& words) {
   } else if (const SinumerikWord* turns = take(words, "S")) {
     rest(rpm_ > 0 ? 60 * turns->value / rpm_ : 0);
   } else {
-    throw GcodeFault{"G4", "requires F, seconds, or S, turns of the spindle"};
+    throw ProgramFault{"G4", "requires F, seconds, or S, turns of the spindle"};
   }
 }
 

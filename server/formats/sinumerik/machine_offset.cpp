@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Radius compensation of SinumerikMachine: G41, G42 and G40.
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/sinumerik/machine.h"
 
 namespace kerf {
@@ -9,7 +9,7 @@ void SinumerikMachine::refuse_compensated(const std::string& word) {
   require_no_corner(word);
   release_corner();
   if (compensation_.on())
-    throw GcodeFault{word, "is not supported while G41 or G42 is on; program G40 before it"};
+    throw ProgramFault{word, "is not supported while G41 or G42 is on; program G40 before it"};
 }
 
 // The radius is that of the scene's tool, because D and the tool data are in the control.
@@ -17,7 +17,7 @@ double SinumerikMachine::tool_radius_mm(const std::string& word) const {
   std::optional<ToolId> tool = loaded_;
   if (!tool && scene_.tools.size() == 1) tool = scene_.tools.begin()->first;
   const auto found = tool ? scene_.tools.find(*tool) : scene_.tools.end();
-  if (found == scene_.tools.end()) throw GcodeFault{word, "requires a loaded tool"};
+  if (found == scene_.tools.end()) throw ProgramFault{word, "requires a loaded tool"};
   return found->second.tool.radius_mm;
 }
 
@@ -46,9 +46,9 @@ void SinumerikMachine::compensate(int code) {
   const int side = code == 41 ? 1 : -1;
   if (compensation_.on() && compensation_.side() == side) return;
   refuse_compensated(name);
-  if (plane_ == ArcPlane::kYz) throw GcodeFault{name, "requires the plane XY (G17) or ZX (G18)"};
+  if (plane_ == ArcPlane::kYz) throw ProgramFault{name, "requires the plane XY (G17) or ZX (G18)"};
   if (feed_mode_ == FeedMode::kInverse)
-    throw GcodeFault{name, "is not supported with feeds in inverse time (G93)"};
+    throw ProgramFault{name, "is not supported with feeds in inverse time (G93)"};
   compensation_.set_unit(unit_mm_);
   compensation_.start(side, offset_mm(), plane_);
   actual_ = at_;

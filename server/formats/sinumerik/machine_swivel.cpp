@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/sinumerik/machine.h"
 #include "server/formats/units.h"
 
@@ -50,13 +50,13 @@ void SinumerikMachine::swivel(const std::vector<std::optional<double>>& given) {
     return;
   }
   if (scene_.machine.kinematics == MachineKinematics::kXyz)
-    throw GcodeFault{"CYCLE800", "swivels the plane, which the machine xyz cannot"};
-  if (follows_tool_) throw GcodeFault{"CYCLE800", "while TRAORI is on is not supported"};
+    throw ProgramFault{"CYCLE800", "swivels the plane, which the machine xyz cannot"};
+  if (follows_tool_) throw ProgramFault{"CYCLE800", "while TRAORI is on is not supported"};
   if (value(3) != kAxesInTurn)
-    throw GcodeFault{"CYCLE800", "is supported with _MODE 57 (about X, Y and Z in turn)"};
+    throw ProgramFault{"CYCLE800", "is supported with _MODE 57 (about X, Y and Z in turn)"};
   if (std::fmod(std::abs(value(2)), 10) != 0)
-    throw GcodeFault{"CYCLE800", "that adds to the active plane (_ST) is not supported"};
-  if (!positions) throw GcodeFault{"CYCLE800", "without positioning (_DIR 0) is not supported"};
+    throw ProgramFault{"CYCLE800", "that adds to the active plane (_ST) is not supported"};
+  if (!positions) throw ProgramFault{"CYCLE800", "without positioning (_DIR 0) is not supported"};
   TiltedPlane plane;
   plane.axes = turned_axes(value(7), value(8), value(9));
   plane.origin = Vec3{value(4), value(5), value(6)} * unit_mm_;
@@ -70,9 +70,9 @@ void SinumerikMachine::swivel(const std::vector<std::optional<double>>& given) {
 
 void SinumerikMachine::require_no_swivel() const {
   if (swivel_open_)
-    throw GcodeFault{"CYCLE800",
-                     "ended the plane and left the tables turned; swivel back to 0 (_DIR -1) "
-                     "before a cut"};
+    throw ProgramFault{"CYCLE800",
+                       "ended the plane and left the tables turned; swivel back to 0 (_DIR -1) "
+                       "before a cut"};
 }
 
 }  // namespace kerf

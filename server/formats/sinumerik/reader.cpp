@@ -7,8 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "server/formats/control/fault.h"
 #include "server/formats/gcode/compensation.h"
-#include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/tool_path.h"
 #include "server/formats/letter_case.h"
 #include "server/formats/motion_sink.h"
@@ -81,7 +81,7 @@ class SinumerikReader final : public ProgramReader {
       path_.at_line(0, flow_.line());
       runs_ = line && !machine_.execute(*line, flow_.line());
       if (!runs_) machine_.finish();
-    } catch (const GcodeFault& fault) {
+    } catch (const ProgramFault& fault) {
       return error(fault.word, fault.reason);
     }
     return std::nullopt;
@@ -142,7 +142,7 @@ std::expected<ReadProgram, ProgramError> read_sinumerik(const std::string& name,
                       ": the offsets D are read as 0, as for a path of the tool's center: the "
                       "tool's radius is not possible here");
     return again || again.error().line > first.error().line ? std::move(again) : std::move(first);
-  } catch (const GcodeFault& fault) {
+  } catch (const ProgramFault& fault) {
     return std::unexpected(ProgramError{name, 0, fault.word, fault.reason, std::string(kLanguage)});
   }
 }

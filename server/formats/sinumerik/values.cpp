@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/control/fault.h"
 #include "server/formats/letter_case.h"
 #include "server/formats/number_text.h"
 #include "server/formats/units.h"
@@ -82,7 +82,7 @@ class Formula {
       if (sign.empty()) sign = accept_word({"DIV", "MOD"});
       if (sign.empty()) return left;
       const double right = factor();
-      if (sign != "*" && right == 0) throw GcodeFault{std::string(text_), "divides by 0"};
+      if (sign != "*" && right == 0) throw ProgramFault{std::string(text_), "divides by 0"};
       left = sign == "*"     ? left * right
              : sign == "/"   ? left / right
              : sign == "DIV" ? std::trunc(left / right)
@@ -90,10 +90,10 @@ class Formula {
     }
   }
   double factor() {
-    if (++depth_ > kNestingMax) throw GcodeFault{std::string(text_), "is nested too deeply"};
+    if (++depth_ > kNestingMax) throw ProgramFault{std::string(text_), "is nested too deeply"};
     const double value = signed_value();
     --depth_;
-    if (!std::isfinite(value)) throw GcodeFault{std::string(text_), "has no finite value"};
+    if (!std::isfinite(value)) throw ProgramFault{std::string(text_), "has no finite value"};
     return value;
   }
   double signed_value() {
@@ -113,7 +113,7 @@ class Formula {
     const char* const end = text_.data() + text_.size();
     double value = 0;
     const auto read = number_of_chars(text_.data() + at_, end, value, std::chars_format::fixed);
-    if (read.ec != std::errc()) throw GcodeFault{rest(), "is not a number or an expression"};
+    if (read.ec != std::errc()) throw ProgramFault{rest(), "is not a number or an expression"};
     at_ = static_cast<std::size_t>(read.ptr - text_.data());
     if (text_.substr(at_).starts_with("EX")) {
       at_ += 2;
@@ -133,16 +133,16 @@ class Formula {
       const double index = comparison();
       expect("]");
       if (!(index >= 0 && index <= kParameterMax && index == std::floor(index)))
-        throw GcodeFault{"R[" + decimal_text(index, 6) + "]", "is not a number of a parameter"};
+        throw ProgramFault{"R[" + decimal_text(index, 6) + "]", "is not a number of a parameter"};
       name += decimal_text(index, 0);
     }
     if (at_ < text_.size() && text_[at_] == '(') return function(name);
     const auto it = known_.find(name);
     if (it != known_.end()) return it->second;
     if (values_.has(name)) return 0;
-    throw GcodeFault{name, name.starts_with('$')
-                               ? "is a system variable, whose value is not known here"
-                               : "is not a variable of the program"};
+    throw ProgramFault{name, name.starts_with('$')
+                                 ? "is a system variable, whose value is not known here"
+                                 : "is not a variable of the program"};
   }
   std::vector<double> arguments() {
     std::vector<double> values;
@@ -174,8 +174,8 @@ class Formula {
       if (name == "LN") return std::log(v);
       if (name == "EXP") return std::exp(v);
     }
-    throw GcodeFault{name, "is not a supported function of " + std::to_string(x.size()) +
-                               (x.size() == 1 ? " value" : " values")};
+    throw ProgramFault{name, "is not a supported function of " + std::to_string(x.size()) +
+                                 (x.size() == 1 ? " value" : " values")};
   }
 
   void skip() { at_ = skip_blanks(text_, at_); }
@@ -198,7 +198,7 @@ class Formula {
   }
   void expect(std::string_view sign) {
     if (accept_any({sign}).empty())
-      throw GcodeFault{std::string(text_), "lacks '" + std::string(sign) + "'"};
+      throw ProgramFault{std::string(text_), "lacks '" + std::string(sign) + "'"};
   }
 
   std::string_view text_;
@@ -239,7 +239,7 @@ double SinumerikValues::of(std::string_view text) const {
   std::size_t at = 0;
   const double value = expression(text, at);
   if (skip_blanks(text, at) < text.size())
-    throw GcodeFault{std::string(text.substr(at)), "is not part of an expression"};
+    throw ProgramFault{std::string(text.substr(at)), "is not part of an expression"};
   return value;
 }
 

@@ -9,7 +9,7 @@
 namespace kerf {
 
 /// The R parameters and the variables (DEF) of a SINUMERIK program, and its expressions. Text is in
-/// capital letters. Angles are in degrees. Throws GcodeFault.
+/// capital letters. Angles are in degrees. Throws ProgramFault.
 class SinumerikValues {
  public:
   /// Computes the expression at `at` and moves `at` after it: numbers, R1, R[…], variables, + - * /

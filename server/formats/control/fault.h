@@ -5,9 +5,9 @@
 
 namespace kerf {
 
-/// Thrown by the G-code interpreter and by implementations of GcodeCanon for an invalid line.
-/// run_gcode turns it into a ProgramError with file and line.
-struct GcodeFault {
+/// Thrown by the readers of programs for an invalid line. A reader adds file and line and returns a
+/// ProgramError.
+struct ProgramFault {
   std::string word;    ///< the invalid word as written; if empty, the error shows the whole line
   std::string reason;  ///< one clause
 };
