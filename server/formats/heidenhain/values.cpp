@@ -2,13 +2,13 @@
 #include "server/formats/heidenhain/values.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
-#include "server/formats/heidenhain/blocks.h"
+#include "server/formats/control/fault.h"
+#include "server/formats/control/formula.h"
+#include "server/formats/control/formula_functions.h"
 #include "server/formats/letter_case.h"
 #include "server/formats/number_text.h"
 #include "server/formats/units.h"
@@ -16,119 +16,67 @@
 namespace kerf {
 namespace {
 
-constexpr int kNestingMax = 100;
 constexpr std::size_t kParametersMax = 10'000;
 
-using Function = double (*)(double);
-constexpr std::array kFunctions{
-    std::pair<std::string_view, Function>{"ASIN",
-                                          [](double v) { return kDegPerRad * std::asin(v); }},
-    std::pair<std::string_view, Function>{"ACOS",
-                                          [](double v) { return kDegPerRad * std::acos(v); }},
-    std::pair<std::string_view, Function>{"ATAN",
-                                          [](double v) { return kDegPerRad * std::atan(v); }},
-    std::pair<std::string_view, Function>{"SIN", [](double v) { return std::sin(kRadPerDeg * v); }},
-    std::pair<std::string_view, Function>{"COS", [](double v) { return std::cos(kRadPerDeg * v); }},
-    std::pair<std::string_view, Function>{"TAN", [](double v) { return std::tan(kRadPerDeg * v); }},
-    std::pair<std::string_view, Function>{"SQRT", [](double v) { return std::sqrt(v); }},
-    std::pair<std::string_view, Function>{"ABS", [](double v) { return std::abs(v); }},
-    std::pair<std::string_view, Function>{"INT", [](double v) { return std::trunc(v); }},
-    std::pair<std::string_view, Function>{"FRAC", [](double v) { return v - std::trunc(v); }},
-    std::pair<std::string_view, Function>{"NEG", [](double v) { return -v; }},
-    std::pair<std::string_view, Function>{"LOG", [](double v) { return std::log10(v); }},
-    std::pair<std::string_view, Function>{"LN", [](double v) { return std::log(v); }},
-    std::pair<std::string_view, Function>{"EXP", [](double v) { return std::exp(v); }},
-    std::pair<std::string_view, Function>{"SGN", [](double v) {
-                                            return v > 0 ? 1.0 : v < 0 ? -1.0 : 0.0;
-                                          }}};
+constexpr FormulaOperator kOperators[] = {
+    {"+", 1, formula::plus},
+    {"-", 1, formula::minus},
+    {"*", 2, formula::times},
+    {"/", 2, formula::over},
+    {"DIV", 2, formula::over},
+    {"LEN", 2, [](double a, double b) { return std::hypot(a, b); }},
+    {"^", 3, [](double a, double b) { return std::pow(a, b); }, false},
+};
 
-// Sums of products of powers. A function binds closer than a power.
-class Formula {
+constexpr FormulaFunction kFunctions[] = {
+    {"ASIN", formula::arc_sine},
+    {"ACOS", formula::arc_cosine},
+    {"ATAN", [](double v) { return kDegPerRad * std::atan(v); }},
+    {"SIN", formula::sine},
+    {"COS", formula::cosine},
+    {"TAN", formula::tangent},
+    {"SQRT", formula::square_root},
+    {"ABS", formula::magnitude},
+    {"INT", formula::truncated},
+    {"FRAC", [](double v) { return v - std::trunc(v); }},
+    {"NEG", [](double v) { return -v; }},
+    {"LOG", [](double v) { return std::log10(v); }},
+    {"LN", formula::logarithm},
+    {"EXP", formula::exponential},
+    {"SGN", [](double v) { return v > 0   ? 1.0
+                                  : v < 0 ? -1.0
+                                          : 0.0; }},
+};
+
+constexpr FormulaRules kKlartextFormulas{kOperators, kFunctions, '(', ')'};
+
+/// A formula without blanks, with decimal points. A function binds closer than a power and needs no
+/// parentheses.
+class KlartextFormula final : public FormulaReader {
  public:
-  Formula(std::string_view text, const KlartextValues& values) : values_(values) {
-    for (const char c : text)
-      if (c != ' ') text_ += c == ',' ? '.' : c;
-  }
+  KlartextFormula(std::string_view text, const KlartextValues& values)
+      : FormulaReader(text, kKlartextFormulas), values_(values) {}
 
-  double value() {
-    const double result = sum();
-    if (at_ != text_.size()) throw ProgramFault{text_.substr(at_), "is not part of a formula"};
-    if (!std::isfinite(result)) throw ProgramFault{text_, "has no finite value"};
+  double whole() {
+    const double result = expression();
+    if (!done()) reject("is not part of a formula");
+    if (!std::isfinite(result)) throw ProgramFault{std::string(text()), "has no finite value"};
     return result;
   }
 
  private:
-  bool take(std::string_view word) {
-    if (std::string_view(text_).substr(at_, word.size()) != word) return false;
-    at_ += word.size();
-    return true;
+  double operand() override {
+    if (accept("PI")) return std::numbers::pi;
+    if (const FormulaFunction* known = accept_function()) return known->of_one(value());
+    if (peek() != 'Q') return FormulaReader::operand();
+    const std::size_t start = position();
+    skip();
+    if (peek() == 'L' || peek() == 'R') skip();
+    while (is_digit(peek())) skip();
+    return values_.of(word_since(start));
   }
 
-  double sum() {
-    if (++nesting_ > kNestingMax) throw ProgramFault{text_, "is nested too deep"};
-    double result = product();
-    while (true) {
-      if (take("+")) {
-        result += product();
-      } else if (take("-")) {
-        result -= product();
-      } else {
-        --nesting_;
-        return result;
-      }
-    }
-  }
-
-  double product() {
-    double result = power();
-    while (true) {
-      if (take("*")) {
-        result *= power();
-      } else if (take("/") || take("DIV")) {
-        result /= power();
-      } else if (take("LEN")) {
-        result = std::hypot(result, power());
-      } else {
-        return result;
-      }
-    }
-  }
-
-  double power() {
-    const double base = factor();
-    return take("^") ? std::pow(base, factor()) : base;
-  }
-
-  double factor() {
-    if (++nesting_ > kNestingMax) throw ProgramFault{text_, "is nested too deep"};
-    const double result = signed_factor();
-    --nesting_;
-    return result;
-  }
-
-  double signed_factor() {
-    if (take("-")) return -factor();
-    if (take("+")) return factor();
-    if (take("(")) {
-      const double inner = sum();
-      if (!take(")")) throw ProgramFault{text_, "lacks ')'"};
-      return inner;
-    }
-    if (take("PI")) return std::numbers::pi;
-    for (const auto& [name, function] : kFunctions)
-      if (take(name)) return function(factor());
-    const std::size_t from = at_;
-    while (at_ < text_.size() && (text_[at_] == 'Q' || text_[at_] == 'L' || text_[at_] == 'R') &&
-           (at_ == from ? text_[at_] == 'Q' : at_ == from + 1))
-      ++at_;
-    while (at_ < text_.size() && (is_digit(text_[at_]) || text_[at_] == '.')) ++at_;
-    return values_.of(text_.substr(from, at_ - from));
-  }
-
-  std::string text_;
   const KlartextValues& values_;
-  std::size_t at_ = 0;
-  int nesting_ = 0;
 };
 
 }  // namespace
@@ -151,7 +99,12 @@ double KlartextValues::of(const std::string& word) const {
   return sign * value;
 }
 
-double KlartextValues::formula(std::string_view text) const { return Formula(text, *this).value(); }
+double KlartextValues::formula(std::string_view text) const {
+  std::string plain(text);
+  std::erase(plain, ' ');
+  std::ranges::replace(plain, ',', '.');
+  return KlartextFormula(plain, *this).whole();
+}
 
 bool KlartextValues::assign(std::string_view text) {
   const std::size_t sign = text.find('=');

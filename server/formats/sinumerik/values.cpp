@@ -2,13 +2,13 @@
 #include "server/formats/sinumerik/values.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
 #include "server/formats/control/fault.h"
+#include "server/formats/control/formula.h"
+#include "server/formats/control/formula_functions.h"
 #include "server/formats/letter_case.h"
 #include "server/formats/number_text.h"
 #include "server/formats/units.h"
@@ -16,196 +16,116 @@
 namespace kerf {
 namespace {
 
-/// Deepest nesting of parentheses, signs and indices.
-constexpr int kNestingMax = 100;
 /// Greatest number of an R parameter.
 constexpr double kParameterMax = 99'999;
 constexpr double kEqual = 1e-9;
 
 bool begins_name(char c) { return (c >= 'A' && c <= 'Z') || c == '_' || c == '$'; }
+bool nearly_equal(double a, double b) {
+  return std::abs(a - b) <= kEqual * std::max(1.0, std::abs(a));
+}
 
-class Formula {
+// Comparisons bind weakest.
+constexpr FormulaOperator kOperators[] = {
+    {"==", 1, [](double a, double b) { return nearly_equal(a, b) ? 1.0 : 0.0; }},
+    {"<>", 1, [](double a, double b) { return nearly_equal(a, b) ? 0.0 : 1.0; }},
+    {"<=", 1, [](double a, double b) { return a < b || nearly_equal(a, b) ? 1.0 : 0.0; }},
+    {">=", 1, [](double a, double b) { return a > b || nearly_equal(a, b) ? 1.0 : 0.0; }},
+    {"<", 1, [](double a, double b) { return a < b && !nearly_equal(a, b) ? 1.0 : 0.0; }},
+    {">", 1, [](double a, double b) { return a > b && !nearly_equal(a, b) ? 1.0 : 0.0; }},
+    {"OR", 2, [](double a, double b) { return a != 0 || b != 0 ? 1.0 : 0.0; }},
+    {"XOR", 2, [](double a, double b) { return (a != 0) != (b != 0) ? 1.0 : 0.0; }},
+    {"AND", 3, [](double a, double b) { return a != 0 && b != 0 ? 1.0 : 0.0; }},
+    {"+", 4, formula::plus},
+    {"-", 4, formula::minus},
+    {"*", 5, formula::times},
+    {"/", 5, formula::over},
+    {"DIV", 5, [](double a, double b) { return std::trunc(a / b); }},
+    {"MOD", 5, [](double a, double b) { return std::fmod(a, b); }},
+};
+
+constexpr FormulaFunction kFunctions[] = {
+    {"SIN", formula::sine},
+    {"COS", formula::cosine},
+    {"TAN", formula::tangent},
+    {"ASIN", formula::arc_sine},
+    {"ACOS", formula::arc_cosine},
+    {"ATAN2", nullptr, [](double y, double x) { return kDegPerRad * std::atan2(y, x); }},
+    {"SQRT", formula::square_root},
+    {"POT", [](double v) { return v * v; }},
+    {"ABS", formula::magnitude},
+    {"TRUNC", formula::truncated},
+    {"ROUND", [](double v) { return std::floor(v + 0.5); }},
+    {"LN", formula::logarithm},
+    {"EXP", formula::exponential},
+    {"MINVAL", nullptr, [](double a, double b) { return std::min(a, b); }},
+    {"MAXVAL", nullptr, [](double a, double b) { return std::max(a, b); }},
+};
+
+constexpr FormulaRules kSinumerikFormulas{kOperators, kFunctions, '(', ')', is_sinumerik_name};
+
+class SinumerikFormula final : public FormulaReader {
  public:
-  Formula(std::string_view text, std::size_t at, const SinumerikValues& values,
-          const std::map<std::string, double>& known)
-      : text_(text), at_(at), values_(values), known_(known) {}
-
-  std::size_t at() const { return at_; }
-
-  double comparison() {
-    double left = disjunction();
-    while (true) {
-      const std::string_view sign = accept_any({"==", "<>", "<=", ">=", "<", ">"});
-      if (sign.empty()) return left;
-      const double right = disjunction();
-      const bool same = std::abs(left - right) <= kEqual * std::max(1.0, std::abs(left));
-      left = sign == "=="   ? same
-             : sign == "<>" ? !same
-             : sign == "<=" ? left < right || same
-             : sign == ">=" ? left > right || same
-             : sign == "<"  ? left < right && !same
-                            : left > right && !same;
-    }
-  }
+  SinumerikFormula(std::string_view text, std::size_t at, const SinumerikValues& values)
+      : FormulaReader(text, kSinumerikFormulas, at), values_(values) {}
 
  private:
-  double disjunction() {
-    double left = conjunction();
-    while (true) {
-      const std::string_view word = accept_word({"OR", "XOR"});
-      if (word.empty()) return left;
-      const bool a = left != 0, b = conjunction() != 0;
-      left = word == "OR" ? a || b : a != b;
-    }
-  }
-  double conjunction() {
-    double left = sum();
-    while (!accept_word({"AND"}).empty()) {
-      const bool right = sum() != 0;
-      left = left != 0 && right;
-    }
-    return left;
-  }
-  double sum() {
-    double left = product();
-    while (true) {
-      const std::string_view sign = accept_any({"+", "-"});
-      if (sign.empty()) return left;
-      const double right = product();
-      left = sign == "+" ? left + right : left - right;
-    }
-  }
-  double product() {
-    double left = factor();
-    while (true) {
-      std::string_view sign = accept_any({"*", "/"});
-      if (sign.empty()) sign = accept_word({"DIV", "MOD"});
-      if (sign.empty()) return left;
-      const double right = factor();
-      if (sign != "*" && right == 0) throw ProgramFault{std::string(text_), "divides by 0"};
-      left = sign == "*"     ? left * right
-             : sign == "/"   ? left / right
-             : sign == "DIV" ? std::trunc(left / right)
-                             : std::fmod(left, right);
-    }
-  }
-  double factor() {
-    if (++depth_ > kNestingMax) throw ProgramFault{std::string(text_), "is nested too deeply"};
-    const double value = signed_value();
-    --depth_;
-    if (!std::isfinite(value)) throw ProgramFault{std::string(text_), "has no finite value"};
-    return value;
-  }
-  double signed_value() {
-    const std::string_view sign = accept_any({"+", "-"});
-    if (!sign.empty()) return sign == "-" ? -factor() : factor();
-    if (!accept_word({"NOT"}).empty()) return factor() == 0;
-    if (!accept_any({"("}).empty()) {
-      const double inner = comparison();
-      expect(")");
-      return inner;
-    }
+  double operand() override {
+    if (accept("NOT")) return value() == 0;
+    if (begins_name(peek())) return named();
+    const double number = FormulaReader::operand();
+    if (!rest().starts_with("EX")) return number;
     skip();
-    if (at_ < text_.size() && begins_name(text_[at_])) return named();
-    return number();
+    skip();
+    return number * std::pow(10.0, value());
   }
-  double number() {
-    const char* const end = text_.data() + text_.size();
-    double value = 0;
-    const auto read = number_of_chars(text_.data() + at_, end, value, std::chars_format::fixed);
-    if (read.ec != std::errc()) throw ProgramFault{rest(), "is not a number or an expression"};
-    at_ = static_cast<std::size_t>(read.ptr - text_.data());
-    if (text_.substr(at_).starts_with("EX")) {
-      at_ += 2;
-      value *= std::pow(10.0, signed_value());
-    }
+
+  double checked(double value, std::size_t) const override {
+    if (!std::isfinite(value)) throw ProgramFault{std::string(text()), "has no finite value"};
     return value;
   }
+
+  double apply(const FormulaOperator& op, double left, double right, std::size_t) const override {
+    const bool divides = op.word == "/" || op.word == "DIV" || op.word == "MOD";
+    if (divides && right == 0) throw ProgramFault{std::string(text()), "divides by 0"};
+    return op.apply(left, right);
+  }
+
   double named() {
-    std::size_t end = at_;
-    while (end < text_.size() && is_sinumerik_name(text_[end])) ++end;
-    std::string name(text_.substr(at_, end - at_));
-    at_ = end;
+    const std::size_t start = position();
+    while (is_sinumerik_name(peek())) skip();
+    std::string name = word_since(start);
     if (name == "TRUE") return 1;
     if (name == "FALSE") return 0;
     if (name == "$PI") return std::numbers::pi;
-    if (name == "R" && !accept_any({"["}).empty()) {
-      const double index = comparison();
-      expect("]");
-      if (!(index >= 0 && index <= kParameterMax && index == std::floor(index)))
-        throw ProgramFault{"R[" + decimal_text(index, 6) + "]", "is not a number of a parameter"};
-      name += decimal_text(index, 0);
-    }
-    if (at_ < text_.size() && text_[at_] == '(') return function(name);
-    const auto it = known_.find(name);
-    if (it != known_.end()) return it->second;
-    if (values_.has(name)) return 0;
-    throw ProgramFault{name, name.starts_with('$')
-                                 ? "is a system variable, whose value is not known here"
-                                 : "is not a variable of the program"};
+    if (name == "R" && accept("[")) name += index();
+    return peek() == '(' ? function(name) : values_.value_of(name);
   }
-  std::vector<double> arguments() {
-    std::vector<double> values;
-    expect("(");
-    do values.push_back(comparison());
-    while (!accept_any({","}).empty());
-    expect(")");
-    return values;
+
+  std::string index() {
+    const double number = expression();
+    expect(']');
+    if (!(number >= 0 && number <= kParameterMax && number == std::floor(number)))
+      throw ProgramFault{"R[" + decimal_text(number, 6) + "]", "is not a number of a parameter"};
+    return decimal_text(number, 0);
   }
+
   double function(const std::string& name) {
-    const std::vector<double> x = arguments();
-    if (x.size() == 2) {
-      if (name == "ATAN2") return kDegPerRad * std::atan2(x[0], x[1]);
-      if (name == "MINVAL") return std::min(x[0], x[1]);
-      if (name == "MAXVAL") return std::max(x[0], x[1]);
-    }
-    if (x.size() == 1) {
-      const double v = x[0];
-      if (name == "SIN") return std::sin(kRadPerDeg * v);
-      if (name == "COS") return std::cos(kRadPerDeg * v);
-      if (name == "TAN") return std::tan(kRadPerDeg * v);
-      if (name == "ASIN") return kDegPerRad * std::asin(v);
-      if (name == "ACOS") return kDegPerRad * std::acos(v);
-      if (name == "SQRT") return std::sqrt(v);
-      if (name == "POT") return v * v;
-      if (name == "ABS") return std::abs(v);
-      if (name == "TRUNC") return std::trunc(v);
-      if (name == "ROUND") return std::floor(v + 0.5);
-      if (name == "LN") return std::log(v);
-      if (name == "EXP") return std::exp(v);
+    std::vector<double> x;
+    expect('(');
+    do x.push_back(expression());
+    while (accept(","));
+    expect(')');
+    const auto known = std::ranges::find(kFunctions, name, &FormulaFunction::word);
+    if (known != std::end(kFunctions)) {
+      if (x.size() == 1 && known->of_one != nullptr) return known->of_one(x[0]);
+      if (x.size() == 2 && known->of_two != nullptr) return known->of_two(x[0], x[1]);
     }
     throw ProgramFault{name, "is not a supported function of " + std::to_string(x.size()) +
                                  (x.size() == 1 ? " value" : " values")};
   }
 
-  void skip() { at_ = skip_blanks(text_, at_); }
-  std::string rest() const { return std::string(text_.substr(std::min(at_, text_.size()))); }
-  std::string_view accept_any(std::initializer_list<std::string_view> signs) {
-    skip();
-    for (const std::string_view sign : signs)
-      if (text_.substr(at_).starts_with(sign)) return at_ += sign.size(), sign;
-    return {};
-  }
-  std::string_view accept_word(std::initializer_list<std::string_view> words) {
-    skip();
-    for (const std::string_view word : words) {
-      const std::size_t end = at_ + word.size();
-      if (!text_.substr(at_).starts_with(word)) continue;
-      if (end < text_.size() && is_sinumerik_name(text_[end])) continue;
-      return at_ = end, word;
-    }
-    return {};
-  }
-  void expect(std::string_view sign) {
-    if (accept_any({sign}).empty())
-      throw ProgramFault{std::string(text_), "lacks '" + std::string(sign) + "'"};
-  }
-
-  std::string_view text_;
-  std::size_t at_;
   const SinumerikValues& values_;
-  const std::map<std::string, double>& known_;
-  int depth_ = 0;
 };
 
 }  // namespace
@@ -228,10 +148,19 @@ bool SinumerikValues::has(const std::string& name) const {
          std::all_of(name.begin() + 1, name.end(), is_digit);
 }
 
+double SinumerikValues::value_of(const std::string& name) const {
+  const auto it = values_.find(name);
+  if (it != values_.end()) return it->second;
+  if (has(name)) return 0;
+  throw ProgramFault{name, name.starts_with('$')
+                               ? "is a system variable, whose value is not known here"
+                               : "is not a variable of the program"};
+}
+
 double SinumerikValues::expression(std::string_view text, std::size_t& at) const {
-  Formula formula(text, at, *this, values_);
-  const double value = formula.comparison();
-  at = formula.at();
+  SinumerikFormula formula(text, at, *this);
+  const double value = formula.expression();
+  at = formula.position();
   return value;
 }
 

@@ -18,6 +18,8 @@ class SinumerikValues {
   double expression(std::string_view text, std::size_t& at) const;
   /// Computes a text that is one expression.
   double of(std::string_view text) const;
+  /// Returns the value of a variable, 0 for an R parameter that is not assigned.
+  double value_of(const std::string& name) const;
   /// Defines a variable. An existing value is kept.
   void define(const std::string& name) { values_.try_emplace(name, 0.0); }
   /// Whether the name is an R parameter or a variable.
