@@ -5,72 +5,48 @@
 #include <utility>
 
 #include "server/formats/apt/machine.h"
+#include "server/formats/control/line_reader.h"
 
 namespace kerf {
 namespace {
 
 constexpr const char* kLanguage = "APT";
-/// Pieces of a path per step.
-constexpr int kPiecesPerStep = 64;
 
-class AptReader final : public ProgramReader {
+class AptReader final : public LineReader {
  public:
   AptReader(const std::string& name, std::string_view text, const Scene& scene,
             std::shared_ptr<const AptTools> tools)
       : tools_(std::move(tools)),
-        sink_(program_),
         statements_(text),
-        machine_(scene, *tools_, sink_, [this](const std::string& said) { warn(said); }) {
+        machine_(scene, *tools_, sink_, [this](const std::string& said) { warn_here(said); }) {
     program_.name = name;
     program_.read_as = kLanguage;
     program_.files = {name};
   }
 
-  std::expected<bool, ProgramError> step() override {
-    if (sink_.waits()) {
-      const auto followed = sink_.go_on(kPiecesPerStep);
-      if (!followed) return std::unexpected(error("", followed.error()));
-      return true;
-    }
-    try {
-      if (const auto statement = ended_ ? std::nullopt : statements_.next()) {
-        if (!machine_.execute(*statement, statements_.line())) return true;
-        ended_ = true;
-      }
-    } catch (const ProgramFault& fault) {
-      return std::unexpected(fault_behind_waiting(fault));
-    }
-    if (sink_.waits()) return true;
-    if (!machine_.knows_any())
-      return std::unexpected(error("", "has no statement of APT, such as GOTO/1,2,3"));
-    if (!ended_ && !machine_.has_paths()) warn("the program ends without FINI");
-    program_.lines = statements_.line();
-    return false;
-  }
-
  private:
-  ProgramError error(std::string word, std::string reason) const {
-    return {program_.name, statements_.line(), std::move(word), std::move(reason), kLanguage};
+  bool execute() override {
+    const auto statement = statements_.next();
+    ended_ = statement && machine_.execute(*statement, statements_.line());
+    return statement && !ended_;
   }
 
-  // Pending motions precede the fault, and may be invalid too.
-  ProgramError fault_behind_waiting(const ProgramFault& fault) {
-    while (sink_.waits()) {
-      if (const auto followed = sink_.go_on(kPiecesPerStep); !followed)
-        return error("", followed.error());
-      program_.motions.clear();
-    }
-    return error(fault.word, fault.reason);
+  void finish() override {
+    if (!machine_.knows_any())
+      throw ProgramFault{"", "has no statement of APT, such as GOTO/1,2,3"};
+    if (!ended_ && !machine_.has_paths()) warn_here("the program ends without FINI");
+    program_.lines = statements_.line();
   }
 
-  void warn(const std::string& text) {
-    if (program_.warnings.size() < kProgramWarningsMax)
-      program_.warnings.push_back(program_.name + ":" + std::to_string(statements_.line()) + ": " +
-                                  text);
+  ProgramError error_of(const ProgramFault& fault) const override {
+    return {program_.name, statements_.line(), fault.word, fault.reason, kLanguage};
+  }
+
+  void warn_here(const std::string& text) {
+    warn(program_.name + ":" + std::to_string(statements_.line()) + ": " + text);
   }
 
   std::shared_ptr<const AptTools> tools_;
-  MotionSink sink_;
   AptStatements statements_;
   AptMachine machine_;
   bool ended_ = false;

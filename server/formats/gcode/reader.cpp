@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/formats/control/fault.h"
+#include "server/formats/control/line_reader.h"
 #include "server/formats/gcode/assumed_unit.h"
 #include "server/formats/gcode/compensation.h"
 #include "server/formats/gcode/dialect_choice.h"
@@ -13,7 +14,6 @@
 #include "server/formats/gcode/tool_path.h"
 #include "server/formats/gcode/turning.h"
 #include "server/formats/letter_case.h"
-#include "server/formats/motion_sink.h"
 #include "server/formats/sinumerik/reader.h"
 #include "server/formats/text_lines.h"
 #include "server/formats/units.h"
@@ -22,9 +22,6 @@ namespace kerf {
 namespace {
 
 const std::vector<std::string> kMacroExtensions{".nc", ".cnc", ".ngc", ".tap", ".txt", ""};
-
-/// Pieces of a path per step.
-constexpr int kPiecesPerStep = 64;
 
 std::shared_ptr<GcodeSource> source_of(const std::string& name, std::string_view text,
                                        const GcodeEnvironment& environment,
@@ -111,17 +108,13 @@ struct Reading {
   std::string number;
 };
 
-class GcodeReader final : public ProgramReader {
+class GcodeReader final : public LineReader {
  public:
   explicit GcodeReader(std::shared_ptr<const Reading> reading)
       : reading_(std::move(reading)),
-        sink_(program_),
         path_(reading_->scene, reading_->environment, sink_),
         runner_(reading_->source, reading_->environment, reading_->setup, path_,
-                [this](const std::string& warning) {
-                  if (program_.warnings.size() < kProgramWarningsMax)
-                    program_.warnings.push_back(warning);
-                }) {
+                [this](const std::string& warning) { warn(warning); }) {
     program_.name = reading_->source->file(0).name;
     program_.warnings = reading_->notes;
     program_.read_as = reading_->read_as;
@@ -129,46 +122,27 @@ class GcodeReader final : public ProgramReader {
     program_.number = reading_->number;
   }
 
-  std::expected<bool, ProgramError> step() override {
-    if (sink_.waits()) {
-      if (auto error = follow_path()) return std::unexpected(*std::move(error));
-    } else {
-      try {
-        runs_ = runner_.step();
-      } catch (const ProgramFault& fault) {
-        return std::unexpected(error_of(fault));
-      }
-    }
-    if (runs_ || sink_.waits()) return true;
+ private:
+  bool execute() override { return runner_.step(); }
+
+  void finish() override {
     program_.lines = runner_.line();
     program_.files = reading_->source->names();
-    return false;
   }
 
- private:
-  // Pending motions precede the fault, and may be invalid too.
-  ProgramError error_of(const ProgramFault& fault) {
-    while (sink_.waits()) {
-      if (auto error = follow_path()) return *std::move(error);
-      program_.motions.clear();
-    }
+  ProgramError error_of(const ProgramFault& fault) const override {
     return runner_.error_of(fault);
   }
 
-  std::optional<ProgramError> follow_path() {
-    const auto [line, file] = sink_.place_of_waiting();
-    const auto followed = sink_.go_on(kPiecesPerStep);
-    if (followed) return std::nullopt;
-    const GcodeFile& source = reading_->source->file(file);
-    return ProgramError{source.name, line, trimmed_line(source.lines[line - 1]), followed.error(),
+  ProgramError error_at(MotionSink::Place place, const std::string& reason) const override {
+    const GcodeFile& source = reading_->source->file(place.file);
+    return ProgramError{source.name, place.line, trimmed_line(source.lines[place.line - 1]), reason,
                         std::string(reading_->setup.rules.label)};
   }
 
   std::shared_ptr<const Reading> reading_;
-  MotionSink sink_;
   GcodeToolPath path_;
   GcodeRunner runner_;
-  bool runs_ = true;
 };
 
 // The digits of the first O1234 or :1234 at the beginning of a line.

@@ -3,26 +3,19 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
-#include <set>
 #include <utility>
 
 #include "server/formats/control/fault.h"
-#include "server/formats/gcode/compensation.h"
+#include "server/formats/control/line_reader.h"
 #include "server/formats/gcode/tool_path.h"
 #include "server/formats/letter_case.h"
-#include "server/formats/motion_sink.h"
 #include "server/formats/sinumerik/flow.h"
 #include "server/formats/sinumerik/machine.h"
 
 namespace kerf {
 namespace {
 
-/// Most lines executed beyond the size of a program, in loops.
-constexpr std::size_t kRepeatedMax = 1'000'000;
 constexpr std::string_view kLanguage = "SINUMERIK";
-/// Pieces of a path per step.
-constexpr int kPiecesPerStep = 64;
 
 // Whether there is an M6 outside comments.
 bool has_tool_change(const SinumerikProgram& program) {
@@ -39,17 +32,17 @@ bool has_tool_change(const SinumerikProgram& program) {
   return false;
 }
 
-class SinumerikReader final : public ProgramReader {
+class SinumerikReader final : public LineReader {
  public:
   SinumerikReader(const std::string& name, std::shared_ptr<const SinumerikProgram> text,
                   const Scene& scene, std::size_t executed_max, bool changes_by_t,
                   const std::string& reason, const std::string& wear)
       : text_(std::move(text)),
-        sink_(program_),
         path_(scene, environment_, sink_),
         flow_(*text_, values_, executed_max),
         machine_(
-            scene, values_, path_, [this](const std::string& said) { warn(said); }, changes_by_t,
+            scene, values_, path_,
+            [this](const std::string& said) { warn_once(said, flow_.line()); }, changes_by_t,
             !wear.empty()) {
     program_.name = name;
     program_.read_as = std::string(kLanguage) + (reason.empty() ? "" : ": " + reason);
@@ -61,59 +54,30 @@ class SinumerikReader final : public ProgramReader {
     if (!wear.empty()) program_.warnings.push_back(wear);
   }
 
-  std::expected<bool, ProgramError> step() override {
-    if (sink_.waits()) {
-      if (auto error = follow_path()) return std::unexpected(*std::move(error));
-    } else if (auto error = execute()) {
-      while (sink_.waits()) {  // pending motions precede the fault, and may be invalid too
-        if (auto earlier = follow_path()) return std::unexpected(*std::move(earlier));
-        program_.motions.clear();
-      }
-      return std::unexpected(*std::move(error));
-    }
-    return runs_ || sink_.waits();
-  }
-
  private:
-  std::optional<ProgramError> execute() {
-    try {
-      const auto line = flow_.next();
-      path_.at_line(0, flow_.line());
-      runs_ = line && !machine_.execute(*line, flow_.line());
-      if (!runs_) machine_.finish();
-    } catch (const ProgramFault& fault) {
-      return error(fault.word, fault.reason);
-    }
-    return std::nullopt;
+  bool execute() override {
+    const auto line = flow_.next();
+    path_.at_line(0, flow_.line());
+    if (line && !machine_.execute(*line, flow_.line())) return true;
+    machine_.finish();
+    return false;
   }
 
-  std::optional<ProgramError> follow_path() {
-    const auto followed = sink_.go_on(kPiecesPerStep);
-    return followed ? std::nullopt : std::optional(error({}, followed.error()));
-  }
-
-  ProgramError error(const std::string& word, std::string reason) const {
+  ProgramError error_of(const ProgramFault& fault) const override {
     const std::size_t line =
         std::clamp<std::size_t>(flow_.line(), 1, std::max<std::size_t>(text_->size(), 1));
-    const std::string shown =
-        word.empty() && text_->size() > 0 ? std::string(text_->written(line - 1)) : word;
-    return {program_.name, line, shown, std::move(reason), std::string(kLanguage)};
-  }
-
-  void warn(const std::string& text) {
-    if (program_.warnings.size() >= kProgramWarningsMax || !warned_.insert(text).second) return;
-    program_.warnings.push_back(program_.name + ":" + std::to_string(flow_.line()) + ": " + text);
+    const std::string word = fault.word.empty() && text_->size() > 0
+                                 ? std::string(text_->written(line - 1))
+                                 : fault.word;
+    return {program_.name, line, word, fault.reason, std::string(kLanguage)};
   }
 
   std::shared_ptr<const SinumerikProgram> text_;
   GcodeEnvironment environment_;  ///< without tool table and parameters, which are LinuxCNC's
-  MotionSink sink_;
   GcodeToolPath path_;
   SinumerikValues values_;
   SinumerikFlow flow_;
-  std::set<std::string> warned_;
   SinumerikMachine machine_;
-  bool runs_ = true;
 };
 
 }  // namespace
@@ -125,7 +89,7 @@ std::expected<ReadProgram, ProgramError> read_sinumerik(const std::string& name,
                                                         const std::string& reason) {
   try {
     const auto program = std::make_shared<const SinumerikProgram>(text);
-    const std::size_t executed_max = std::min(lines_max, text.size() + kRepeatedMax);
+    const std::size_t executed_max = std::min(lines_max, text.size() + kRepeatedLinesMax);
     const bool by_t = !has_tool_change(*program);
     const auto read = [&](const std::string& wear) {
       return read_to_end(
@@ -135,13 +99,7 @@ std::expected<ReadProgram, ProgramError> read_sinumerik(const std::string& name,
           },
           visitor);
     };
-    auto first = read({});
-    if (first || !is_compensation_fault(first.error().reason)) return first;
-    // As with Fanuc, the path may be that of the tool's center.
-    auto again = read(name + ":" + std::to_string(first.error().line) +
-                      ": the offsets D are read as 0, as for a path of the tool's center: the "
-                      "tool's radius is not possible here");
-    return again || again.error().line > first.error().line ? std::move(again) : std::move(first);
+    return read_or_assume_wear(read, name, "the offsets D are read as 0");
   } catch (const ProgramFault& fault) {
     return std::unexpected(ProgramError{name, 0, fault.word, fault.reason, std::string(kLanguage)});
   }
