@@ -13,38 +13,18 @@ using Keyword = OWord::Keyword;
 
 GcodeFlow::GcodeFlow(GcodeSource& source, GcodeParameters& parameters, std::size_t lines_max,
                      Listener listener)
-    : source_(source),
-      parameters_(parameters),
-      lines_max_(lines_max),
-      listener_(std::move(listener)) {}
-
-std::string_view GcodeFlow::line_text() const {
-  const GcodeFile& file = source_.file(at_.file);
-  return line_ == 0 || line_ > file.lines.size() ? std::string_view() : file.lines[line_ - 1];
-}
-
-void GcodeFlow::count_line() {
-  if (++passed_ > lines_max_)
-    throw ProgramFault{
-        "", "the program does not end: it has executed " + std::to_string(lines_max_) + " lines"};
-  if (++idle_ > kGcodeIdleLinesMax)
-    throw ProgramFault{"", "the program does not end: it has executed " +
-                               std::to_string(kGcodeIdleLinesMax) + " lines without a motion"};
-}
+    : ProgramFlow(source, parameters, lines_max), listener_(std::move(listener)) {}
 
 std::optional<GcodeLine> GcodeFlow::next() {
   for (std::size_t passed = 0; !ended_; ++passed) {
     if (passed == kGcodeLinesPerStep) return GcodeLine{};
-    const GcodeFile& file = source_.file(at_.file);
-    if (at_.line >= file.lines.size()) {
+    const auto text = read_line();
+    if (!text) {
       if (frames_.size() == 1) return std::nullopt;
       throw ProgramFault{"", "the file ends within the subroutine O<" + frames_.back().subroutine +
                                  ">; endsub or return is missing"};
     }
-    const std::string_view text = file.lines[at_.line];
-    line_ = ++at_.line;
-    count_line();
-    if (is_percent(text)) {
+    if (is_percent(*text)) {
       if (started_ && frames_.size() == 1) {
         ended_ = true;
         return std::nullopt;
@@ -52,7 +32,7 @@ std::optional<GcodeLine> GcodeFlow::next() {
       started_ = true;
       continue;
     }
-    GcodeLine line = split_gcode_line(text);
+    GcodeLine line = split_gcode_line(*text);
     if (line.code.empty() && line.comment.empty()) continue;
     if (!line.code.empty()) started_ = true;
     if (line.code.starts_with('/')) continue;  // block delete is always on

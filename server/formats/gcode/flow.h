@@ -9,9 +9,7 @@
 #include <vector>
 
 #include "server/formats/gcode/o_word.h"
-#include "server/formats/gcode/parameters.h"
 #include "server/formats/gcode/program_flow.h"
-#include "server/formats/gcode/source.h"
 
 namespace kerf {
 
@@ -32,18 +30,8 @@ class GcodeFlow final : public ProgramFlow {
             Listener listener);
 
   std::optional<GcodeLine> next() override;
-  void moved() override { idle_ = 0; }
-  std::size_t file() const override { return at_.file; }
-  std::size_t line() const override { return line_; }
-  std::string_view line_text() const override;
-  bool ended() const override { return ended_; }
 
  private:
-  struct Place {
-    std::size_t file = 0;
-    std::size_t line = 0;  ///< index of the next line to read
-    friend bool operator==(const Place&, const Place&) = default;
-  };
   enum class LabelKind { kDo, kWhile, kRepeat, kIf };
   struct Label {
     LabelKind kind;
@@ -77,18 +65,10 @@ class GcodeFlow final : public ProgramFlow {
                 const std::string& reason);
   std::optional<Place> find_subroutine(const std::string& name, bool fanuc);
   OWord read(const GcodeLine& line, bool with_values) const;
-  void count_line();
 
-  GcodeSource& source_;
-  GcodeParameters& parameters_;
-  std::size_t lines_max_;
   Listener listener_;
-  Place at_;
-  std::size_t line_ = 0;
   std::vector<Frame> frames_ = std::vector<Frame>(1);
   std::map<std::string, Place> subroutines_;  ///< line of each "sub"
-  std::size_t passed_ = 0, idle_ = 0;
-  bool started_ = false, ended_ = false;
 };
 
 }  // namespace kerf

@@ -58,36 +58,17 @@ class IjkArguments {
 
 MacroFlow::MacroFlow(GcodeSource& source, GcodeParameters& parameters, const DialectRules& rules,
                      std::size_t lines_max, Listener listener)
-    : source_(source),
-      parameters_(parameters),
-      rules_(rules),
-      lines_max_(lines_max),
-      listener_(std::move(listener)) {}
-
-std::string_view MacroFlow::line_text() const {
-  const GcodeFile& file = source_.file(at_.file);
-  return line_ == 0 || line_ > file.lines.size() ? std::string_view() : file.lines[line_ - 1];
-}
-
-void MacroFlow::count_line() {
-  const bool idle = ++idle_ > kGcodeIdleLinesMax;
-  if (++passed_ > lines_max_ || idle)
-    throw ProgramFault{"", "the program does not end: it has executed " +
-                               std::to_string(idle ? kGcodeIdleLinesMax : lines_max_) +
-                               (idle ? " lines without a motion" : " lines")};
-}
+    : ProgramFlow(source, parameters, lines_max), rules_(rules), listener_(std::move(listener)) {}
 
 std::optional<GcodeLine> MacroFlow::next() {
   for (std::size_t passed = 0; !ended_; ++passed) {
     if (passed == kGcodeLinesPerStep) return GcodeLine{};
-    const GcodeFile& file = source_.file(at_.file);
-    if (at_.line >= file.lines.size()) {
+    const auto read = read_line();
+    if (!read) {
       if (frames_.empty()) return std::nullopt;
       throw ProgramFault{"", "the file ends within a subprogram; M99 is missing"};
     }
-    const std::string_view text = file.lines[at_.line];
-    line_ = ++at_.line;
-    count_line();
+    const std::string_view text = *read;
     const auto first = text.find_first_not_of(" \t\r");
     if (first != std::string_view::npos && text[first] == '%') {
       if (is_percent(text)) {
@@ -190,7 +171,7 @@ void MacroFlow::jump(int sequence, const std::string& text) {
 }
 
 void MacroFlow::moved() {
-  idle_ = 0;
+  ProgramFlow::moved();
   if (modal_ && frames_.size() == modal_depth_) {
     Call call = *modal_;
     call.kind = Call::Kind::kMacro;

@@ -39,10 +39,6 @@ class MacroFlow final : public ProgramFlow {
 
   std::optional<GcodeLine> next() override;
   void moved() override;
-  std::size_t file() const override { return at_.file; }
-  std::size_t line() const override { return line_; }
-  std::string_view line_text() const override;
-  bool ended() const override { return ended_; }
 
   /// Removes M97, M98 or M99 with its P and L from a block and returns the call, or nullopt.
   static std::optional<Call> take_call(GcodeBlock& block);
@@ -54,10 +50,6 @@ class MacroFlow final : public ProgramFlow {
   bool execute(const Call& call);
 
  private:
-  struct Place {
-    std::size_t file = 0;
-    std::size_t line = 0;  ///< index of the next line to read
-  };
   struct Frame {
     Place start, back;
     bool shares = true;  ///< M97, M98: the local variables are the caller's
@@ -74,20 +66,13 @@ class MacroFlow final : public ProgramFlow {
   bool leave(const Call& call);
   /// The first line after the header of a program.
   std::optional<Place> find_program(int number);
-  void count_line();
 
-  GcodeSource& source_;
-  GcodeParameters& parameters_;
   const DialectRules& rules_;
-  std::size_t lines_max_;
   Listener listener_;
-  Place at_;
-  std::size_t line_ = 0;
   std::vector<Frame> frames_;
   std::optional<Call> modal_;  ///< G66
   std::size_t modal_depth_ = 0;
-  std::size_t passed_ = 0, idle_ = 0;
-  bool started_ = false, ended_ = false, header_seen_ = false, skips_said_ = false;
+  bool header_seen_ = false, skips_said_ = false;
 };
 
 }  // namespace kerf
