@@ -5,14 +5,14 @@
 #include <cmath>
 
 #include "server/formats/control/fault.h"
+#include "server/formats/control/hole_pattern.h"
 #include "server/formats/gcode/expression.h"
 #include "server/formats/gcode/machine.h"
-#include "server/formats/units.h"
 
 namespace kerf {
 namespace {
 
-constexpr int kPassesMax = 10'000, kHolesMax = 10'000;
+constexpr int kPassesMax = 10'000;
 
 int count_of(const GcodeWord& word, int most) {
   if (!is_gcode_integer(word.value) || word.value < 0.5 || word.value > most + 0.5)
@@ -117,14 +117,13 @@ bool GcodeMachine::begin_pattern(GcodeBlock& block, const GcodeCode& code) {
   if (modes_.plane != ArcPlane::kXy || block.has_any("xy"))
     throw ProgramFault{code.text,
                        "is supported in the plane XY, about the position of the block before"};
-  const int holes = count_of(*count, kHolesMax);
+  const int holes = count_of(*count, kPatternHolesMax);
   const double start = block.find('j') != nullptr ? block.find('j')->value : 0;
-  const double between = circle ? 360.0 / holes : line ? 0 : spacing->value;
-  for (int i = 0; i < holes; ++i) {
-    const double angle = kRadPerDeg * (start + between * i);
-    const double r = radius->value * modes_.unit_mm * (line ? i : 1);
-    pattern_.push_back({at_[0] + r * std::cos(angle), at_[1] + r * std::sin(angle), 0});
-  }
+  const double size = radius->value * modes_.unit_mm;
+  for (const PatternHole& hole :
+       line ? holes_on_line(holes, 0, size, start)
+            : holes_on_circle(holes, size, start, circle ? 360.0 / holes : spacing->value))
+    pattern_.push_back({at_[0] + hole.x, at_[1] + hole.y, 0});
   std::erase_if(block.words, [](const GcodeWord& word) {
     return std::string_view("ijkl").find(word.letter) != std::string_view::npos;
   });

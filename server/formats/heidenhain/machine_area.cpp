@@ -7,20 +7,18 @@
 #include <utility>
 
 #include "server/formats/control/fault.h"
+#include "server/formats/control/hole_pattern.h"
 #include "server/formats/heidenhain/machine.h"
-#include "server/formats/units.h"
 
 namespace kerf {
 namespace {
-
-constexpr double kPointsMax = 10'000;
 
 /// The machining selected by Q215.
 enum class Machining { kAll, kRoughing, kFinishing };
 
 int count_of(const std::map<std::string, double>& given, const char* name) {
   const auto it = given.find(name);
-  if (it == given.end() || !(it->second >= 1 && it->second <= kPointsMax) ||
+  if (it == given.end() || !(it->second >= 1 && it->second <= kPatternHolesMax) ||
       it->second != std::floor(it->second))
     throw ProgramFault{name, "must be an integer from 1 to 10000"};
   return static_cast<int>(it->second);
@@ -177,38 +175,33 @@ void KlartextMachine::call_pattern(int cycle, const std::map<std::string, double
   };
   for (const char* word : {"Q200", "Q203", "Q204"})
     if (given.contains(word)) cycle_[word] = value(word);
-  std::vector<std::pair<double, double>> points;
+  std::vector<PatternHole> holes;
+  double x = value("Q225"), y = value("Q226");
   if (cycle == 220) {
     const int count = count_of(given, "Q241");
-    const double radius = value("Q244") / 2, span = value("Q246") - value("Q245");
+    const double span = value("Q246") - value("Q245");
     const bool whole = std::abs(std::abs(span) - 360) < 1e-9;
     const double step = value("Q247") != 0    ? value("Q247")
                         : whole || count == 1 ? span / count
                                               : span / (count - 1);
-    for (int i = 0; i < count; ++i) {
-      const double angle = kRadPerDeg * (value("Q245") + i * step);
-      points.emplace_back(value("Q216") + radius * std::cos(angle),
-                          value("Q217") + radius * std::sin(angle));
-    }
+    holes = holes_on_circle(count, value("Q244") / 2, value("Q245"), step);
+    x = value("Q216");
+    y = value("Q217");
   } else {
     const int columns = count_of(given, "Q242"), rows = count_of(given, "Q243");
-    if (columns * double(rows) > kPointsMax) throw ProgramFault{name, "has above 10000 points"};
-    const double c = std::cos(kRadPerDeg * value("Q224")), s = std::sin(kRadPerDeg * value("Q224"));
-    for (int row = 0; row < rows; ++row)
-      for (int i = 0; i < columns; ++i) {
-        const double x = (row % 2 == 0 ? i : columns - 1 - i) * value("Q237");
-        const double y = row * value("Q238");
-        points.emplace_back(value("Q225") + c * x - s * y, value("Q226") + s * x + c * y);
-      }
+    if (columns * double(rows) > kPatternHolesMax)
+      throw ProgramFault{name, "has above 10000 points"};
+    holes = holes_on_grid(columns, rows, value("Q237"), value("Q238"), value("Q224"));
   }
   refuse_in_corner(name);
   const double level =
       value("Q203") + (value("Q301") != 0 ? std::max(value("Q200"), value("Q204")) : value("Q200"));
-  for (const auto& [x, y] : points) {
+  for (const PatternHole& hole : holes) {
     Vec3 at = path_.position();
     at.z = std::max(at.z, level * unit_mm_);
     move(at, std::nullopt, {false, false, true});
-    move({x * unit_mm_, y * unit_mm_, at.z}, std::nullopt, {true, true, false});
+    move({(x + hole.x) * unit_mm_, (y + hole.y) * unit_mm_, at.z}, std::nullopt,
+         {true, true, false});
     call_cycle();
   }
 }

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "server/formats/control/fault.h"
+#include "server/formats/control/hole_pattern.h"
 #include "server/formats/sinumerik/machine.h"
 
 namespace kerf {
@@ -23,7 +23,6 @@ constexpr HoleCycle kHoleCycles[] = {{"CYCLE81", -1, -1}, {"CYCLE82", 5, -1},  {
                                      {"CYCLE89", 5, -1}};
 /// Feed of a tap without a known speed, mm per minute.
 constexpr double kTapFeed = 1000;
-constexpr double kHolesMax = 10'000;
 
 }  // namespace
 
@@ -35,28 +34,22 @@ bool SinumerikMachine::cycle_statement(const std::string& text) {
   const std::string_view call = std::string_view(text).substr(from);
   const std::size_t open = call.find('(');
   const std::string_view name = call.substr(0, std::min(open, call.find(' ')));
-  if (name == "CYCLE800" && open != std::string_view::npos && call.ends_with(')')) {
-    swivel(sinumerik_arguments(call.substr(open + 1, call.size() - open - 2), values_));
-    return true;
-  }
-  if (open != std::string_view::npos && call.ends_with(')') && !modal &&
-      (name == "HOLES1" || name == "HOLES2" || name == "CYCLE801")) {
-    drill_pattern(name,
-                  sinumerik_arguments(call.substr(open + 1, call.size() - open - 2), values_));
-    return true;
-  }
-  if (open != std::string_view::npos && call.ends_with(')') && !modal &&
-      (name.starts_with("POCKET") || name.starts_with("CYCLE7")) &&
-      area_statement(name,
-                     sinumerik_arguments(call.substr(open + 1, call.size() - open - 2), values_)))
-    return true;
+  const bool whole = open != std::string_view::npos && call.ends_with(')');
+  const auto arguments = [&] {
+    return sinumerik_arguments(call.substr(open + 1, call.size() - open - 2), values_);
+  };
+  if (name == "CYCLE800" && whole) return swivel(arguments()), true;
+  if (whole && !modal && (name == "HOLES1" || name == "HOLES2" || name == "CYCLE801"))
+    return drill_pattern(name, arguments()), true;
+  const bool is_area = name.starts_with("POCKET") || name.starts_with("CYCLE7");
+  if (whole && !modal && is_area && area_statement(name, arguments())) return true;
   const auto* rule = std::ranges::find(kHoleCycles, name, &HoleCycle::name);
   if (rule == std::end(kHoleCycles) || open == std::string_view::npos) {
     if (modal) throw ProgramFault{"MCALL", "is supported with CYCLE81 to CYCLE89 only"};
     return false;
   }
-  if (!call.ends_with(')')) throw ProgramFault{std::string(name), "lacks ')'"};
-  const auto given = sinumerik_arguments(call.substr(open + 1, call.size() - open - 2), values_);
+  if (!whole) throw ProgramFault{std::string(name), "lacks ')'"};
+  const auto given = arguments();
   const auto value = [&given](int place) {
     const auto at = static_cast<std::size_t>(place);
     return place >= 0 && at < given.size() ? given[at] : std::nullopt;
@@ -92,35 +85,25 @@ void SinumerikMachine::drill_pattern(std::string_view name,
   };
   const auto count = [&](std::size_t at) {
     const double n = value(at);
-    if (!(n >= 1 && n <= kHolesMax && n == std::floor(n)))
+    if (!(n >= 1 && n <= kPatternHolesMax && n == std::floor(n)))
       throw ProgramFault{std::string(name), "requires the number of holes, from 1 to 10000"};
     return static_cast<int>(n);
   };
-  const auto turned = [](double x, double y, double deg) {
-    turn_xy(x, y, deg);
-    return std::pair{x, y};
-  };
-  std::vector<std::pair<double, double>> points;  // from the reference point
+  std::vector<PatternHole> holes;
+  const int columns = count(5);
   if (name == "HOLES1") {
-    for (int i = 0, n = count(5); i < n; ++i)
-      points.push_back(turned(value(4) + i * value(3), 0, value(2)));
+    holes = holes_on_line(columns, value(4), value(3), value(2));
   } else if (name == "HOLES2") {
-    const int n = count(5);
-    const double step = value(4) != 0 ? value(4) : 360.0 / n;
-    for (int i = 0; i < n; ++i) points.push_back(turned(value(2), 0, value(3) + i * step));
+    const double step = value(4) != 0 ? value(4) : 360.0 / columns;
+    holes = holes_on_circle(columns, value(2), value(3), step);
   } else {
-    const int columns = count(5), rows = count(6);
-    for (int row = 0; row < rows; ++row)
-      for (int i = 0; i < columns; ++i) {
-        const int column = row % 2 == 0 ? i : columns - 1 - i;
-        points.push_back(turned(column * value(3), row * value(4), value(2)));
-      }
+    holes = holes_on_grid(columns, count(6), value(3), value(4), value(2));
   }
   refuse_compensated(std::string(name));
-  for (const auto& [x, y] : points) {
+  for (const PatternHole& hole : holes) {
     GcodeAxes to = programmed();
-    to[0] = (value(0) + x) * unit_mm_;
-    to[1] = (value(1) + y) * unit_mm_;
+    to[0] = (value(0) + hole.x) * unit_mm_;
+    to[1] = (value(1) + hole.y) * unit_mm_;
     go_straight(to, {true, true, false, false, false, false}, true, {});
     hole_ = modal_hole_;
     drill();
