@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "server/formats/gcode/arc.h"
+#include "server/formats/control/arc.h"
 #include "server/formats/units.h"
 
 namespace kerf {

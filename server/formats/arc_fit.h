@@ -5,7 +5,7 @@
 #include <span>
 
 #include "kernel/tool/tool_pose.h"
-#include "server/formats/gcode/plane.h"
+#include "server/formats/control/plane.h"
 
 namespace kerf {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "server/formats/arc_fit.h"
-#include "server/formats/gcode/arc.h"
+#include "server/formats/control/arc.h"
 #include "server/formats/pose_grid.h"
 
 namespace kerf {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Paths that clear pockets, slots, studs and faces: every point of a raster is either cut or not.
-#include "server/formats/area_path.h"
+#include "server/formats/control/area_path.h"
 
 #include "tests/support/test.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "server/formats/control/arc.h"
 #include "server/formats/control/fault.h"
-#include "server/formats/gcode/arc.h"
 #include "tests/formats/scene_fixture.h"
 #include "tests/support/test.h"
 

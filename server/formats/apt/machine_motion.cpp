@@ -6,7 +6,7 @@
 
 #include "kernel/math/rotation.h"
 #include "server/formats/apt/machine.h"
-#include "server/formats/gcode/arc.h"
+#include "server/formats/control/arc.h"
 #include "server/formats/machine_kinematics.h"
 #include "server/formats/number_text.h"
 #include "server/formats/units.h"

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "server/formats/gcode/compensation.h"
+#include "server/formats/control/compensation.h"
 
 namespace kerf {
 namespace {

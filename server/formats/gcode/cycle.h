@@ -4,7 +4,7 @@
 #include <deque>
 #include <optional>
 
-#include "server/formats/gcode/arc.h"
+#include "server/formats/control/arc.h"
 #include "server/formats/gcode/modes.h"
 
 namespace kerf {

@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
+#include "server/formats/control/canon.h"
+#include "server/formats/control/compensation.h"
 #include "server/formats/gcode/block.h"
-#include "server/formats/gcode/canon.h"
-#include "server/formats/gcode/compensation.h"
 #include "server/formats/gcode/cycle.h"
 #include "server/formats/gcode/modes.h"
 #include "server/formats/gcode/outline_pocket.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/formats/gcode/arc.h"
+#include "server/formats/control/arc.h"
 
 namespace kerf {
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "server/formats/gcode/arc.h"
-#include "server/formats/gcode/compensation.h"
+#include "server/formats/control/arc.h"
+#include "server/formats/control/compensation.h"
 
 namespace kerf {
 namespace {

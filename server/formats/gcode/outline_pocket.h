@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/formats/area_path.h"
+#include "server/formats/control/area_path.h"
 
 namespace kerf {
 

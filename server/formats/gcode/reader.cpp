@@ -5,10 +5,10 @@
 #include <memory>
 #include <utility>
 
+#include "server/formats/control/compensation.h"
 #include "server/formats/control/fault.h"
 #include "server/formats/control/line_reader.h"
 #include "server/formats/gcode/assumed_unit.h"
-#include "server/formats/gcode/compensation.h"
 #include "server/formats/gcode/dialect_choice.h"
 #include "server/formats/gcode/runner.h"
 #include "server/formats/gcode/tool_path.h"

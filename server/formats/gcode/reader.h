@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "server/formats/gcode/canon.h"
+#include "server/formats/control/canon.h"
 #include "server/formats/gcode/environment.h"
 #include "server/formats/gcode/setup.h"
 #include "server/formats/program_reader.h"

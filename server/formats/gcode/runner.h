@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "server/formats/control/canon.h"
 #include "server/formats/control/fault.h"
-#include "server/formats/gcode/canon.h"
 #include "server/formats/gcode/environment.h"
 #include "server/formats/gcode/machine.h"
 #include "server/formats/gcode/macro_flow.h"

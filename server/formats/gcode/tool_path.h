@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "server/formats/gcode/canon.h"
+#include "server/formats/control/canon.h"
 #include "server/formats/gcode/environment.h"
 #include "server/formats/motion_sink.h"
 #include "server/formats/scene.h"

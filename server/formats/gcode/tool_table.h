@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/formats/gcode/axes.h"
+#include "server/formats/control/axes.h"
 #include "server/formats/program_error.h"
 
 namespace kerf {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/formats/area_path.h"
+#include "server/formats/control/area_path.h"
 #include "server/formats/heidenhain/blocks.h"
 #include "server/formats/heidenhain/path.h"
 #include "server/formats/heidenhain/values.h"

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "server/formats/gcode/arc.h"
+#include "server/formats/control/arc.h"
 #include "server/formats/heidenhain/machine.h"
 #include "server/formats/units.h"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/formats/gcode/arc.h"
+#include "server/formats/control/arc.h"
 #include "server/formats/heidenhain/blocks.h"
 #include "server/formats/units.h"
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/formats/gcode/compensation.h"
-#include "server/formats/gcode/plane.h"
+#include "server/formats/control/compensation.h"
+#include "server/formats/control/plane.h"
 #include "server/formats/machine_kinematics.h"
 #include "server/formats/motion_sink.h"
 
@@ -105,7 +105,7 @@ class KlartextPath {
   /// The same, while the tool turns to an axis in the workpiece: tables by their angles, a machine
   /// `tool-vector` along the great circle. Not while the path is compensated or the plane tilted.
   void line(Vec3 to, Vec3 axis, std::optional<double> feed_mm_per_min, std::array<bool, 3> named);
-  /// Moves on an arc about a center; `turns` as for arc_about (gcode/arc.h).
+  /// Moves on an arc about a center; `turns` as for arc_about (control/arc.h).
   void arc(Vec3 to, ArcPlane plane, Vec3 center, int turns, double feed_mm_per_min);
   void dwell(double seconds);
   void remark(MachineRemark said) { sink_.remark(std::move(said)); }

@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "server/formats/area_path.h"
-#include "server/formats/gcode/arc.h"
-#include "server/formats/gcode/canon.h"
-#include "server/formats/gcode/compensation.h"
+#include "server/formats/control/arc.h"
+#include "server/formats/control/area_path.h"
+#include "server/formats/control/canon.h"
+#include "server/formats/control/compensation.h"
 #include "server/formats/scene.h"
 #include "server/formats/sinumerik/block.h"
 #include "server/formats/sinumerik/flow.h"

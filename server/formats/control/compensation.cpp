@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/formats/gcode/compensation.h"
+#include "server/formats/control/compensation.h"
 
 #include <cmath>
 #include <string>
 #include <utility>
 
-#include "server/formats/gcode/compensation_angle.h"
+#include "server/formats/control/compensation_angle.h"
 #include "server/formats/number_text.h"
 
 // The classification of corners follows LinuxCNC's interpreter, so that both produce the same path.

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "server/formats/gcode/compensation.h"
-#include "server/formats/gcode/compensation_angle.h"
+#include "server/formats/control/compensation.h"
+#include "server/formats/control/compensation_angle.h"
 #include "server/formats/number_text.h"
 
 namespace kerf {

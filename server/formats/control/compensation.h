@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/formats/gcode/canon.h"
+#include "server/formats/control/canon.h"
 
 namespace kerf {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "kernel/sculpture.h"
-#include "server/formats/gcode/arc.h"
-#include "server/formats/gcode/axes.h"
+#include "server/formats/control/arc.h"
+#include "server/formats/control/axes.h"
 #include "server/formats/machine_remark.h"
 
 namespace kerf {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/formats/gcode/arc.h"
+#include "server/formats/control/arc.h"
 
 #include <algorithm>
 #include <cmath>

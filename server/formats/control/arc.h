@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "server/formats/gcode/plane.h"
+#include "server/formats/control/plane.h"
 
 namespace kerf {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/formats/area_path.h"
+#include "server/formats/control/area_path.h"
 
 #include <algorithm>
 #include <cmath>
