@@ -12,6 +12,7 @@
 
 #include "server/formats/control/canon.h"
 #include "server/formats/control/compensation.h"
+#include "server/formats/control/corner.h"
 #include "server/formats/gcode/block.h"
 #include "server/formats/gcode/cycle.h"
 #include "server/formats/gcode/modes.h"
@@ -163,7 +164,7 @@ class GcodeMachine {
 
   // machine_corner.cpp: rounded and cut corners (,R ,C)
   struct Corner {
-    double radius_mm = 0, chamfer_mm = 0;  ///< one of them is above 0
+    CornerSize size;
     GcodeAxes at{};  ///< the corner; the tool is still at the start of the first line
     GcodeFeed feed;
     Named named{};

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/formats/control/area_path.h"
+#include "server/formats/control/corner.h"
 #include "server/formats/heidenhain/blocks.h"
 #include "server/formats/heidenhain/path.h"
 #include "server/formats/heidenhain/values.h"
@@ -35,7 +36,7 @@ class KlartextMachine {
     Vec3 at;
     double feed = 0;
     std::optional<double> own_feed;  ///< of the corner
-    double radius_mm = 0, chamfer_mm = 0;
+    CornerSize size;
   };
   // The M words and FMAX of a block.
   struct Extras {

@@ -183,7 +183,7 @@ void KlartextMachine::straight(Vec3 to, const Extras& extras, std::array<bool, 3
   const std::optional<double> speed = extras.rapid ? std::nullopt : std::optional(feed());
   if (corner_) cut_corner(to);
   if (corner_follows && speed) {
-    corner_ = Corner{.at = to, .feed = *speed, .own_feed = {}};
+    corner_ = Corner{.at = to, .feed = *speed, .own_feed = {}, .size = {}};
   } else {
     move(to, speed, named);
   }
@@ -217,34 +217,30 @@ void KlartextMachine::corner(const Words& words, bool chamfer) {
     const bool size = word.name.empty() || word.name == "R";
     if (!size || word.value.empty())
       throw ProgramFault{word.name + word.value, "is not a word of RND and CHF"};
-    (chamfer ? corner_->chamfer_mm : corner_->radius_mm) = mm(word);
+    (chamfer ? corner_->size.leg_mm : corner_->size.radius_mm) = mm(word);
   }
 }
 
 void KlartextMachine::cut_corner(Vec3 next) {
   const Corner corner = *std::exchange(corner_, std::nullopt);
-  const Vec3 from = path_.position();
-  const Vec3 back = from - corner.at, on = next - corner.at;
   const std::array<bool, 3> named{true, true, true};
-  if (std::abs(back.z) > kSamePointMm || std::abs(on.z) > kSamePointMm)
+  const PlanePoint from = in_plane(path_.position(), ArcPlane::kXy);
+  const PlanePoint at = in_plane(corner.at, ArcPlane::kXy), to = in_plane(next, ArcPlane::kXy);
+  const auto cut = corner_path(from, at, to, corner.size, kSamePointMm);
+  if (!cut && cut.error() == CornerFault::kNotLevel)
     throw ProgramFault{"RND", "is supported in the plane XY only"};
-  const double before = length(back), behind = length(on);
-  if (before < kSamePointMm || behind < kSamePointMm)
+  if (distance(from, at) < kSamePointMm || distance(at, to) < kSamePointMm)
     throw ProgramFault{"RND", "requires a line before and a line behind it"};
-  const Vec3 u = back * (1 / before), v = on * (1 / behind);
-  const double half = std::acos(std::clamp(dot(u, v), -1.0, 1.0)) / 2;
-  const double cut = corner.chamfer_mm > 0 ? corner.chamfer_mm : corner.radius_mm / std::tan(half);
-  const bool straight = half > std::numbers::pi / 2 - 1e-9;
-  if (corner.radius_mm > 0 && straight) return move(corner.at, corner.feed, named);
-  if (!(cut <= before + kSamePointMm && cut <= behind + kSamePointMm))
-    throw ProgramFault{"RND", "does not fit between its lines"};
-  if (cut <= 0) return move(corner.at, corner.feed, named);
-  move(corner.at + u * cut, corner.feed, named);
+  if (!cut) throw ProgramFault{"RND", "does not fit between its lines"};
+  const bool chamfer = corner.size.leg_mm > 0;
+  if (!chamfer && !(cut->center && corner.size.radius_mm > 0))
+    return move(corner.at, corner.feed, named);
+  move(from_plane(cut->start, ArcPlane::kXy), corner.feed, named);
+  const Vec3 end = from_plane(cut->end, ArcPlane::kXy);
   const double feed_in_corner = corner.own_feed.value_or(corner.feed);
-  if (corner.chamfer_mm > 0) return move(corner.at + v * cut, feed_in_corner, named);
-  const Vec3 center = corner.at + normalized(u + v) * (corner.radius_mm / std::sin(half));
-  const bool left = u.x * v.y - u.y * v.x < 0;  // the path turns left
-  path_.arc(corner.at + v * cut, ArcPlane::kXy, center, left ? 1 : -1, feed_in_corner);
+  if (chamfer) return move(end, feed_in_corner, named);
+  path_.arc(end, ArcPlane::kXy, from_plane(*cut->center, ArcPlane::kXy), cut->turns,
+            feed_in_corner);
 }
 
 void KlartextMachine::pole(const Words& words) {

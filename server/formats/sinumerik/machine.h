@@ -15,6 +15,7 @@
 #include "server/formats/control/area_path.h"
 #include "server/formats/control/canon.h"
 #include "server/formats/control/compensation.h"
+#include "server/formats/control/corner.h"
 #include "server/formats/scene.h"
 #include "server/formats/sinumerik/block.h"
 #include "server/formats/sinumerik/flow.h"
@@ -40,12 +41,12 @@ class SinumerikMachine {
   using Words = std::vector<SinumerikWord>;
   using Named = std::array<bool, 6>;
   struct Corner {
-    double radius_mm = 0, chamfer_mm = 0, leg_mm = 0;
+    CornerSize size;
     bool own = false;  ///< of this block, not RNDM
     GcodeAxes at{};    ///< the corner; the tool is still at the start of the first line
     Named named{};
     GcodeFeed feed;
-    bool any() const { return radius_mm > 0 || chamfer_mm > 0 || leg_mm > 0; }
+    bool any() const { return size.radius_mm > 0 || size.chamfer_mm > 0 || size.leg_mm > 0; }
     bool is_modal() const { return !own; }
   };
   enum class Motion { kRapid, kLine, kClockwise, kCounterClockwise, kThroughPoint };
