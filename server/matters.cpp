@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/matters.h"
 
+#include "server/downloads/download_routes.h"
+#include "server/people/people_routes.h"
+#include "server/pictures/picture_routes.h"
 #include "server/pins/pin_routes.h"
 #include "server/pins/pins.h"
+#include "server/probe/probe_routes.h"
+#include "server/programs/program_routes.h"
+#include "server/strokes/stroke_routes.h"
+#include "server/targets/target_routes.h"
 #include "server/versions/version_routes.h"
 #include "server/versions/versions.h"
 
@@ -10,26 +17,29 @@ namespace kerf::net {
 namespace {
 
 struct Registered {
-  MakeMatter make;
-  std::span<const Route> (*routes)();
+  MakeMatter make;  ///< null: no list in the journal
+  HttpMatter (*http)();
 };
 
 constexpr Registered kMatters[] = {
-    {&Versions::make, &version_routes},
-    {&Pins::make, &pin_routes},
+    {&Versions::make, &http_versions}, {&Pins::make, &http_pins}, {nullptr, &http_targets},
+    {nullptr, &http_programs},         {nullptr, &http_strokes},  {nullptr, &http_people},
+    {nullptr, &http_downloads},        {nullptr, &http_pictures}, {nullptr, &http_probe},
 };
 
 }  // namespace
 
 std::vector<MakeMatter> matters() {
   std::vector<MakeMatter> all;
-  for (const Registered& matter : kMatters) all.push_back(matter.make);
+  for (const Registered& matter : kMatters) {
+    if (matter.make != nullptr) all.push_back(matter.make);
+  }
   return all;
 }
 
-std::vector<std::span<const Route>> matter_routes() {
-  std::vector<std::span<const Route>> all;
-  for (const Registered& matter : kMatters) all.push_back(matter.routes());
+std::vector<HttpMatter> http_matters() {
+  std::vector<HttpMatter> all;
+  for (const Registered& matter : kMatters) all.push_back(matter.http());
   return all;
 }
 

@@ -87,7 +87,7 @@ struct Server::Impl {
              net::matters()},
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
-        api(options.http, registry, metrics, *access, matter_routes),
+        api(options.http, registry, metrics, *access, http_matters),
         immediate("immediate", 1, kShown),
         acceptor(viewers.context()) {}
 
@@ -120,7 +120,7 @@ struct Server::Impl {
   ThreadPool carvers{std::min(usable_threads(), kCarversMax), ThreadPool::Idle::kSleeps};
   SessionRegistry registry;
   JournalWatch watch{registry, snapshots};
-  const std::vector<std::span<const Route>> matter_routes = net::matter_routes();
+  const std::vector<HttpMatter> http_matters = net::http_matters();
   Api api;
   IoThreads immediate;  ///< after `api`, which requests in progress use
   FairThreads control{"control", kShown}, history{"history", kShown}, workers{"workers", kBehind},

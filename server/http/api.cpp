@@ -4,18 +4,16 @@
 #include <nlohmann/json.hpp>
 
 #include "server/http/browser_rules.h"
+#include "server/http/responses.h"
 #include "server/http/routes.h"
+#include "server/http/session_lookup.h"
 #include "server/http/static_files.h"
 #include "server/rights/rights.h"
-#include "server/threads/run_and_wait.h"
 
 namespace kerf::net {
 namespace {
 
 using Json = nlohmann::json;
-
-/// Subfolder of the data folder, for the server's own use only.
-constexpr const char* kCacheFolder = ".kerf-cache";
 
 /// Returns a 401 with its reason.
 ApiResponse needs_token(const Caller& caller) {
@@ -27,99 +25,7 @@ ApiResponse needs_token(const Caller& caller) {
   return response;
 }
 
-/// The name of the lost server that alone can continue a session; nullopt if there is none.
-std::optional<std::string> needed_server(const SessionRegistry& registry, const std::string& id) {
-  return registry.places() == nullptr ? std::nullopt : registry.places()->needed_server(id);
-}
-
 }  // namespace
-
-bool is_below_session(const std::vector<std::string>& path) {
-  return path.size() > 2 && path[0] == "v1" && path[1] == "sessions";
-}
-
-bool is_coming(const SessionRegistry& registry, const std::string& id, bool only_looks) {
-  if (registry.is_loading(id)) return true;
-  if (registry.places() == nullptr) return false;
-  if (registry.places()->is_moving(id)) return true;
-  return only_looks && !registry.find(id) && registry.places()->wants_to_follow(id) &&
-         !registry.find_followed(id);
-}
-
-std::shared_ptr<Session> find_to_look(const SessionRegistry& registry, const std::string& id) {
-  auto session = registry.find(id);
-  if (session || registry.places() == nullptr) return session;
-  // This request counts as interest, so that the session keeps being followed.
-  return registry.places()->wants_to_follow(id) ? registry.find_followed(id) : nullptr;
-}
-
-std::optional<std::string> other_place(const SessionRegistry& registry, const std::string& id) {
-  return registry.places() == nullptr ? std::nullopt : registry.places()->address_of(id);
-}
-
-ApiResponse at_other_server(const std::string& reason, std::string location) {
-  ApiResponse response = error_response(307, "other_server", reason);
-  response.headers.emplace_back("Location", std::move(location));
-  return response;
-}
-
-ApiResponse no_session(const SessionRegistry& registry, const std::string& id,
-                       const std::string& target) {
-  if (is_coming(registry, id) || registry.find(id)) {  // found now: it has just been opened
-    ApiResponse response = error_response(503, "session_loading",
-                                          "session " + id + " is being loaded; try again later");
-    response.headers.emplace_back("Retry-After", "1");
-    return response;
-  }
-  if (const auto address = other_place(registry, id)) {
-    return at_other_server("session " + id + " is at " + *address, *address + target);
-  }
-  if (const auto node = needed_server(registry, id)) {
-    return error_response(503, "server_lost",
-                          "server " + *node + " ran session " + id +
-                              " and is lost, and no other server has the journal: start it again");
-  }
-  if (const auto error = registry.unreadable(id)) {
-    // The server retries the load after a disk error; damage is permanent.
-    const unsigned status = error->code == JournalErrorCode::kIo ? 503 : 500;
-    return error_response(status, "unreadable_session",
-                          "the journal cannot be read and stays as it is: " + error->reason);
-  }
-  if (registry.is_stopping()) {  // 404 would be final for an agent
-    ApiResponse response =
-        error_response(503, "stopping", "the server is shutting down; try again later");
-    response.headers.emplace_back("Retry-After", "1");
-    return response;
-  }
-  return error_response(404, "unknown_session", "there is no session " + id);
-}
-
-ApiResponse stopped() {
-  ApiResponse response = error_response(
-      503, "stopped",
-      "the work on the request was ended: its session was closed, or the server is shutting down");
-  response.headers.emplace_back("Retry-After", "1");
-  return response;
-}
-
-ApiResponse damaged_journal(const JournalError& damage) {
-  return error_response(500, wire::to_string(wire::ErrorCode::kDamagedJournal),
-                        damage_text(damage));
-}
-
-ApiResponse history_failure(const Session& session, const std::string& reason,
-                            const std::stop_token& stop) {
-  if (const auto damage = session.past().damage_after(reason, stop))
-    return damaged_journal(*damage);
-  return error_response(503, "busy", reason);
-}
-
-ApiResponse out_of_memory() {
-  ApiResponse response = error_response(
-      503, "busy", "uploads and running programs use all memory granted to them; try again later");
-  response.headers.emplace_back("Retry-After", "5");
-  return response;
-}
 
 std::expected<UploadBudget::Share, ApiResponse> Api::begin_upload(const std::string& address,
                                                                   std::size_t bytes) {
@@ -134,38 +40,15 @@ std::expected<UploadBudget::Share, ApiResponse> Api::begin_upload(const std::str
   return std::unexpected(std::move(response));
 }
 
-HashedSolid current_solid(Session& session) {
-  struct Read {
-    SolidSnapshot solid;
-    std::uint64_t sequence;
-    std::optional<StateHash> hash;
-    bool is_between_records;
-  };
-  Read read = run_and_wait(session.executor(), [&] {
-    return Read{session.solid(), session.sequence(), session.current_hash(),
-                session.is_between_records()};
-  });
-  if (read.hash) return {std::move(read.solid), *read.hash};
-  const StateHash hash{read.sequence, read.solid.hash()};
-  // The hash of a partly carved solid has no record: no replay gives it.
-  if (read.is_between_records) return {std::move(read.solid), hash, true};
-  session.executor().post([self = session.shared_from_this(), hash] { self->note_hash(hash); });
-  return {std::move(read.solid), hash};
-}
-
 Api::Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& metrics,
-         Access& access, std::span<const std::span<const Route>> matters)
+         Access& access, std::span<const HttpMatter> matters)
     : routes_(std::make_unique<const RouteTable>(matters)),
       options_(options),
       registry_(registry),
       metrics_(metrics),
       access_(access),
-      downloads_(options.data_folder / kCacheFolder / "downloads"),
-      pictures_(options.data_folder / kCacheFolder / "pictures"),
-      uploads_(options.upload_bytes),
-      programs_(options.program_bytes),
-      upload_folder_(options.data_folder / "uploads"),
-      targets_(options.data_folder / "targets") {
+      services_(options, registry, access, matters),
+      uploads_(options.upload_bytes) {
   registry_.set_hooks(
       {[this](Session& session, Opening opening) { return adopt(session, opening); },
        [this](const std::string& id) {
@@ -183,7 +66,7 @@ ApiResponse Api::handle(const ApiRequest& request) {
   RouteMatch match = routes_->match(request.method, request.path);
   Caller caller;
   if (auto rejection = refuse(request, match, caller)) return *std::move(rejection);
-  ApiCall call{request, nullptr, std::move(match.captured), std::move(caller)};
+  ApiCall call{request, nullptr, std::move(match.captured), std::move(caller), services_};
   if (is_below_session(request.path)) {
     const std::string& id = request.path[2];
     if (!call.caller.belongs_elsewhere) {
@@ -267,13 +150,6 @@ std::optional<ApiResponse> Api::refuse(const ApiRequest& request, const RouteMat
 bool Api::is_not_here(const std::string& id) const {
   return !registry_.find(id) &&
          (is_coming(registry_, id) || other_place(registry_, id) || needed_server(registry_, id));
-}
-
-void Api::tell_regions(Session& session) const {
-  // Read the regions on the executor: after two concurrent changes, the later one must win.
-  session.executor().post([self = session.shared_from_this(), &access = access_] {
-    self->reserve(access.regions(self->id()));
-  });
 }
 
 ApiResponse Api::drain(const ApiCall& call) {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rights and target parts as attachments of a session's journal, with which they move to another
-// server.
+// Rights and the data of matters as attachments of a session's journal, with which they move to
+// another server.
 #include <algorithm>
-#include <set>
 
 #include "server/http/api.h"
 #include "server/rights/rights_rows.h"
@@ -11,7 +10,6 @@
 namespace kerf::net {
 namespace {
 
-constexpr const char* kTargetKind = "target";
 /// Marks a journal whose attachments are complete.
 constexpr const char* kCompleteKind = "complete";
 
@@ -24,27 +22,22 @@ bool is_complete(const std::vector<Attachment>& attachments) {
 void Api::forget(const std::string& id) {
   // Grants left in the file are replaced when the session comes again.
   (void)access_.forget(id);
-  targets_.forget(id);
+  services_.stores.forget(id);
 }
 
 void Api::attach_all(Session& session) {
   for (AttachmentChange& change : access_.attachments(session.id())) {
     session.attach(std::move(change));
   }
-  for (const TargetFacts& facts : targets_.list(session.id())) attach_target(session, facts.name);
+  services_.stores.attach_all(session);
   session.attach({kCompleteKind, "", std::vector<std::byte>()});
-}
-
-void Api::attach_target(Session& session, const std::string& name) {
-  const std::lock_guard lock(attach_mutex_);
-  session.attach({kTargetKind, name, targets_.pack(session.id(), name)});
 }
 
 std::expected<void, std::string> Api::adopt(Session& session, Opening opening) {
   const std::string& id = session.id();
   // An earlier session with this id may have ended at another server.
   if (opening == Opening::kNew) forget(id);
-  auto attachments = read_attachments(session.journal_file());
+  const auto attachments = read_attachments(session.journal_file());
   if (!attachments) return std::unexpected(describe(attachments.error()));
   // The journal predates attachments or was closed: attach the data that this server has.
   if (!is_complete(*attachments)) {
@@ -66,29 +59,7 @@ std::expected<void, std::string> Api::adopt(Session& session, Opening opening) {
       session.attach({kGrantKind, attachment.name});  // it has expired
     }
   }
-  if (auto done = adopt_targets(id, *attachments); !done) return done;
-  // Requests that find the session are posted after this.
-  session.executor().post([weak = session.weak_from_this(), list = *std::move(attachments)] {
-    if (const auto self = weak.lock()) self->list_stopped(list);
-  });
-  return {};
-}
-
-std::expected<void, std::string> Api::adopt_targets(const std::string& id,
-                                                    const std::vector<Attachment>& attachments) {
-  std::set<std::string> attached;
-  for (const Attachment& attachment : attachments) {
-    if (attachment.kind != kTargetKind) continue;
-    attached.insert(attachment.name);
-    if (!targets_.unpack(id, attachment.bytes)) {
-      return std::unexpected("target part " + attachment.name + " of session " + id +
-                             " cannot be stored");
-    }
-  }
-  for (const TargetFacts& facts : targets_.list(id)) {
-    if (!attached.contains(facts.name)) targets_.remove(id, facts.name);
-  }
-  return {};
+  return services_.stores.adopt(session, *attachments);
 }
 
 }  // namespace kerf::net

@@ -9,6 +9,7 @@
 #include "server/formats/model/repair_mesh.h"
 #include "server/formats/unit_question.h"
 #include "server/http/api.h"
+#include "server/http/responses.h"
 
 namespace kerf::net {
 namespace {
@@ -44,7 +45,7 @@ ApiResponse Api::upload_file(const ApiCall& call) {
         400, "bad_name",
         std::string("name must end in ") + kMeshFileNames + ", e.g. ?name=part.stl");
   }
-  const auto memory = program_memory(kReadingFactor * request.body.size());
+  const auto memory = take_memory(services_, kReadingFactor * request.body.size());
   if (!memory) return out_of_memory();
   auto mesh = read_mesh(*format, std::as_bytes(std::span(request.body)),
                         triangles_max(request.body.size()), request.stop);
@@ -64,7 +65,7 @@ ApiResponse Api::upload_file(const ApiCall& call) {
     return error_response(507, to_string(full->code), full->reason);
   }
   const std::string stored =
-      upload_folder_.keep(call.caller.network, extension_of(name), request.body);
+      services_.uploads.keep(call.caller.network, extension_of(name), request.body);
   if (stored.empty()) return error_response(503, "disk", "the file could not be stored");
   const BoxStock box = mesh_bounds(*mesh);
   nlohmann::json json{{"file", stored},

@@ -2,9 +2,13 @@
 // The routes that create, list, describe and close sessions.
 #include <nlohmann/json.hpp>
 
-#include "server/http/access_errors.h"
 #include "server/http/api.h"
+#include "server/http/hashed_solid.h"
 #include "server/http/history_point.h"
+#include "server/http/registry_failure.h"
+#include "server/http/responses.h"
+#include "server/http/scene_price.h"
+#include "server/http/session_lookup.h"
 #include "server/session/hash_text.h"
 #include "server/threads/run_and_wait.h"
 
@@ -114,30 +118,6 @@ Json placed_json(const PlacedSession& session) {
           {"node", session.node}};
 }
 
-unsigned http_status(RegistryErrorCode code) {
-  switch (code) {
-    case RegistryErrorCode::kBadId:
-    case RegistryErrorCode::kBadScene:
-      return 400;
-    case RegistryErrorCode::kExists:
-      return 409;
-    case RegistryErrorCode::kUnknown:
-      return 404;
-    case RegistryErrorCode::kTooMany:
-    case RegistryErrorCode::kDiskFails:
-      return 503;
-    case RegistryErrorCode::kJournal:
-      return 500;
-    case RegistryErrorCode::kDiskFull:
-    case RegistryErrorCode::kNotClosed:
-      return 507;
-    case RegistryErrorCode::kNoLease:
-    case RegistryErrorCode::kStopped:
-      return 503;
-  }
-  return 500;
-}
-
 /// Returns the target of a request with `here=1`, replacing `here=0`.
 std::string with_here(const std::string& target) {
   const std::size_t mark = target.find('?');
@@ -153,11 +133,6 @@ std::string with_here(const std::string& target) {
 }
 
 }  // namespace
-
-ApiResponse registry_failure(const RegistryError& error) {
-  if (error.code == RegistryErrorCode::kStopped) return stopped();
-  return error_response(http_status(error.code), to_string(error.code), error.reason, error.path);
-}
 
 ApiResponse Api::list_sessions(const ApiCall& call) {
   Json list = Json::array();
@@ -215,12 +190,12 @@ ApiResponse Api::create_session(const ApiCall& call) {
   // A scene from the network must not read the server's files: it has no base folder and may name
   // uploaded files only.
   SceneSource source;
-  source.files = upload_folder_.named_in(call.request.body);
+  source.files = services_.uploads.named_in(call.request.body);
   source.stop = call.request.stop;
   if (is_dry) {
     const auto scene = registry_.check(id, call.request.body, source);
     if (!scene) return registry_failure(scene.error());
-    return json_response(200, price_of(*scene));
+    return json_response(200, price_json(*scene, price_of_hand(*scene)));
   }
   if (source.files.empty()) {  // uploaded files exist on this server only
     if (auto elsewhere = create_elsewhere(call.request)) return *std::move(elsewhere);
@@ -269,12 +244,12 @@ ApiResponse Api::close_session(const ApiCall& call) {
     return registry_failure({RegistryErrorCode::kNotClosed, stays_open(flushed.error()), {}});
   }
   // Delete the rights first, so that none apply to a later session with the same id.
-  if (auto done = access_.forget(call.session->id()); !done) return access_failure(done.error());
+  if (auto done = access_.forget(call.session->id()); !done) return error_response(done.error());
   call.session->attach({});
   const auto closed = registry_.close(call.session->id(), purge);
   jobs_.end(call.session->id());
   if (!closed) return registry_failure(closed.error());
-  targets_.forget(call.session->id());
+  services_.stores.forget(call.session->id());
   return json_response(200, to_text({{"closed", call.session->id()}, {"purged", purge}}));
 }
 

@@ -4,6 +4,7 @@
 
 #include "server/formats/scene_templates.h"
 #include "server/http/api.h"
+#include "server/http/responses.h"
 
 namespace kerf::net {
 namespace {

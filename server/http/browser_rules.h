@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/http/api.h"
+#include "server/http/api_call.h"
 #include "server/http/http_options.h"
 
 namespace kerf::net {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "server/http/api.h"
+#include "server/http/api_call.h"
 
 namespace kerf::net {
 

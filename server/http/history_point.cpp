@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "server/http/number.h"
+#include "server/http/responses.h"
 #include "server/platform/clock.h"
 #include "server/store/journal_times.h"
 #include "server/store/plain_text.h"

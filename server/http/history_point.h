@@ -7,7 +7,8 @@
 #include <string_view>
 #include <variant>
 
-#include "server/http/api.h"
+#include "server/http/api_call.h"
+#include "server/session/session.h"
 
 namespace kerf::net {
 

@@ -21,6 +21,8 @@
 #include "server/http/proxies.h"
 #include "server/http/request_head.h"
 #include "server/http/response_head.h"
+#include "server/http/responses.h"
+#include "server/http/session_lookup.h"
 #include "server/metrics/metrics.h"
 #include "server/platform/clock.h"
 #include "server/socket/serve_peer.h"

@@ -7,6 +7,8 @@
 
 #include "server/http/cookie.h"
 #include "server/http/proxies.h"
+#include "server/http/responses.h"
+#include "server/http/session_lookup.h"
 #include "server/wire/control.h"
 
 namespace kerf::net {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/http/api.h"
+#include "server/http/api_call.h"
 
 namespace kerf::net {
 

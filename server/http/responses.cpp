@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Responses in JSON, and the one table from kinds of errors to HTTP statuses.
+#include "server/http/responses.h"
+
 #include <new>
 #include <nlohmann/json.hpp>
+#include <utility>
 
-#include "server/http/api.h"
+#include "server/session/session.h"
 
 namespace kerf::net {
 namespace {
@@ -22,6 +25,8 @@ unsigned status_of(ErrorKind kind) {
       return 409;
     case ErrorKind::kBusy:
       return 503;
+    case ErrorKind::kFailed:
+      return 500;
   }
   return 500;
 }
@@ -72,6 +77,33 @@ std::optional<ApiResponse> flush_failure(Session& session) {
 
 ApiResponse not_found() {
   return error_response(404, "not_found", "there is no resource at this path");
+}
+
+ApiResponse stopped() {
+  ApiResponse response = error_response(
+      503, "stopped",
+      "the work on the request was ended: its session was closed, or the server is shutting down");
+  response.headers.emplace_back("Retry-After", "1");
+  return response;
+}
+
+ApiResponse damaged_journal(const JournalError& damage) {
+  return error_response(500, wire::to_string(wire::ErrorCode::kDamagedJournal),
+                        damage_text(damage));
+}
+
+ApiResponse history_failure(const Session& session, const std::string& reason,
+                            const std::stop_token& stop) {
+  if (const auto damage = session.past().damage_after(reason, stop))
+    return damaged_journal(*damage);
+  return error_response(503, "busy", reason);
+}
+
+ApiResponse out_of_memory() {
+  ApiResponse response = error_response(
+      503, "busy", "uploads and running programs use all memory granted to them; try again later");
+  response.headers.emplace_back("Retry-After", "5");
+  return response;
 }
 
 }  // namespace kerf::net

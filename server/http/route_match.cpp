@@ -76,14 +76,7 @@ RouteMatch RouteTable::match(std::string_view method, const std::vector<std::str
 }
 
 bool only_looks(const RouteMatch& match) {
-  if (match.route == nullptr) return false;
-  const auto is_of_owner = [&](std::string_view part) {
-    return match.route->pattern.contains(part);
-  };
-  if (is_of_owner("/programs") || is_of_owner("/targets") || is_of_owner("/exports") ||
-      is_of_owner("/regions")) {
-    return false;
-  }
+  if (match.route == nullptr || match.route->at_owner) return false;
   return match.route->action == Action::kWatch || match.route->action == Action::kDownload;
 }
 

@@ -3,6 +3,7 @@
 // must be rejected: otherwise the request would do something else than intended.
 #include <algorithm>
 
+#include "server/http/responses.h"
 #include "server/http/routes.h"
 
 namespace kerf::net {

@@ -9,10 +9,14 @@
 #include <string_view>
 #include <vector>
 
-#include "server/http/api.h"
+#include "server/formats/model/model_limits.h"
+#include "server/http/api_call.h"
+#include "server/http/matter_store.h"
 #include "server/rights/rights.h"
 
 namespace kerf::net {
+
+class Api;
 
 /// The protocol that a WebSocket upgrade of a route leads to.
 enum class Upgrade : std::uint8_t { kNone, kAgent, kViewer };
@@ -48,8 +52,13 @@ struct Route {
   Runs runs = Runs::kAtOnce;
   Action action = Action::kAdminister;  ///< the caller needs the right to it
   Upgrade upgrade = Upgrade::kNone;
+  bool at_owner = false;     ///< a server that follows the session cannot answer
   std::string_view summary;  ///< for README.md
 };
+
+/// Limits of bodies: points of the surface (262,144), and programs and meshes.
+inline constexpr std::size_t kPointBytesMax = std::size_t{3} << 20;
+inline constexpr std::size_t kFileBytesMax = kModelBytesMax;
 
 /// For the viewer's files: their query is for the page, and sites that pass a link on add to it.
 inline constexpr std::string_view kAnyQuery = "*";
@@ -62,7 +71,7 @@ struct RouteMatch {
   std::string captured;              ///< by the pattern's last "{name}"
 };
 /// Whether the request only looks at a session's block and history, so that a server that follows
-/// the session can serve it. Programs, targets, regions and people are known only to the owner.
+/// the session can serve it.
 bool only_looks(const RouteMatch& match);
 
 /// Maximum size of the request's body.
@@ -75,7 +84,7 @@ std::optional<ApiResponse> query_fault(const Route& route, const ApiRequest& req
 /// The routes of the interface: its own and those of the matters.
 class RouteTable {
  public:
-  explicit RouteTable(std::span<const std::span<const Route>> matters);
+  explicit RouteTable(std::span<const HttpMatter> matters);
   std::span<const Route> all() const { return routes_; }
   RouteMatch match(std::string_view method, const std::vector<std::string>& path) const;
   /// Returns the table in README.md.

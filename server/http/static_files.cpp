@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "server/http/entity_tag.h"
+#include "server/http/responses.h"
 
 namespace kerf::net {
 namespace {

@@ -2,7 +2,7 @@
 // Parsing of HTTP request targets.
 #include <cctype>
 
-#include "server/http/api.h"
+#include "server/http/api_call.h"
 
 namespace kerf::net {
 namespace {

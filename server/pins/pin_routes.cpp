@@ -4,8 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "server/http/place.h"
+#include "server/http/responses.h"
+#include "server/http/routes.h"
 #include "server/pins/pins.h"
 #include "server/platform/clock.h"
+#include "server/session/session.h"
 #include "server/store/plain_text.h"
 #include "server/threads/run_and_wait.h"
 #include "server/wire/limits.h"
@@ -108,6 +111,6 @@ constexpr Route kRoutes[] = {
 
 }  // namespace
 
-std::span<const Route> pin_routes() { return kRoutes; }
+HttpMatter http_pins() { return {.routes = kRoutes}; }
 
 }  // namespace kerf::net

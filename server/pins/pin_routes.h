@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <span>
-
-#include "server/http/routes.h"
+#include "server/http/matter_store.h"
 
 namespace kerf::net {
 
 /// Returns the routes that list, set and remove pins.
-std::span<const Route> pin_routes();
+HttpMatter http_pins();
 
 }  // namespace kerf::net

@@ -14,8 +14,20 @@
 namespace kerf {
 namespace {
 
-std::unexpected<AccessError> fail(AccessFault fault, std::string reason) {
-  return std::unexpected(AccessError{fault, std::move(reason)});
+std::unexpected<Error> unknown(std::string reason) {
+  return std::unexpected(Error{ErrorKind::kUnknown, "unknown_grant", std::move(reason)});
+}
+
+std::unexpected<Error> beyond_limit(std::string reason) {
+  return std::unexpected(Error{ErrorKind::kConflict, "limit", std::move(reason)});
+}
+
+std::unexpected<Error> invalid(std::string reason) {
+  return std::unexpected(Error{ErrorKind::kInvalid, "bad_value", std::move(reason)});
+}
+
+std::unexpected<Error> storage_failure(std::string reason) {
+  return std::unexpected(Error{ErrorKind::kBusy, "rights_io", std::move(reason)});
 }
 
 }  // namespace
@@ -92,7 +104,7 @@ Caller Access::identify(std::string_view token, std::string_view session) const 
 }
 
 AccessResult<void> Access::put(const Grant& grant) {
-  if (auto done = file_.put(grant); !done) return fail(AccessFault::kStorage, done.error());
+  if (auto done = file_.put(grant); !done) return storage_failure(done.error());
   report(grant.session, stored(grant));
   const std::scoped_lock lock(mutex_);
   grants_.insert_or_assign(grant.id, grant);
@@ -103,7 +115,7 @@ AccessResult<Issued> Access::issue(Grant grant) {
   const auto token = new_access_token();
   const auto hash = token ? hash_token(token->secret) : std::nullopt;
   if (!hash || grants_.contains(token->id)) {
-    return fail(AccessFault::kStorage, "the system gives no random numbers; try again");
+    return storage_failure("the system gives no random numbers; try again");
   }
   grant.id = token->id;
   grant.hash = *hash;
@@ -127,16 +139,16 @@ std::string Access::rarest_color(const std::string& session) const {
 
 AccessResult<Issued> Access::invite(const std::string& session, const Invitation& invitation) {
   if (invitation.lifetime_s < 0 || invitation.lifetime_s > kLifetimeMaxS) {
-    return fail(AccessFault::kInvalid, "an invitation lasts at most 366 days");
+    return invalid("an invitation lasts at most 366 days");
   }
   if (invitation.name.size() > wire::kMaxNameBytes) {
-    return fail(AccessFault::kInvalid, "name must be at most 64 bytes");
+    return invalid("name must be at most 64 bytes");
   }
   if (!invitation.color.empty() && !is_color(invitation.color)) {
-    return fail(AccessFault::kInvalid, "color must have the form #rrggbb");
+    return invalid("color must have the form #rrggbb");
   }
   if (invitation.uses < 0 || invitation.uses > static_cast<std::int64_t>(kPassesMax)) {
-    return fail(AccessFault::kInvalid, "uses must be 1 to 2000");
+    return invalid("uses must be 1 to 2000");
   }
   const std::scoped_lock writing(file_mutex_);
   const auto is_one = [&](const Grant& grant) {
@@ -144,7 +156,7 @@ AccessResult<Issued> Access::invite(const std::string& session, const Invitation
   };
   if (static_cast<std::size_t>(std::ranges::count_if(grants_ | std::views::values, is_one)) >=
       kInvitationsMax) {
-    return fail(AccessFault::kLimit, "the session has 1000 invitations; revoke some");
+    return beyond_limit("the session has 1000 invitations; revoke some");
   }
   Grant grant;
   grant.session = session;
@@ -160,12 +172,12 @@ AccessResult<Issued> Access::invite(const std::string& session, const Invitation
 AccessResult<Issued> Access::redeem(std::string_view token, const std::string& session,
                                     const std::string& name, const std::string& network) {
   if (name.size() > wire::kMaxNameBytes) {
-    return fail(AccessFault::kInvalid, "name must be at most 64 bytes");
+    return invalid("name must be at most 64 bytes");
   }
   const std::scoped_lock writing(file_mutex_);
   const Grant* known = find(token, session);
   if (known == nullptr || known->is_pass()) {
-    return fail(AccessFault::kUnknown, "the invitation is unknown, has expired or was revoked");
+    return unknown("the invitation is unknown, has expired or was revoked");
   }
   Grant found = *known;  // it may expire now
   {
@@ -176,13 +188,13 @@ AccessResult<Issued> Access::redeem(std::string_view token, const std::string& s
                 [&](const auto& entry) { return !grants_.contains(entry.first.first); });
   const auto passes = static_cast<std::size_t>(found.used);
   if (passes >= (found.uses > 0 ? static_cast<std::size_t>(found.uses) : kPassesMax)) {
-    return fail(AccessFault::kLimit, "this invitation has been used as often as it may be");
+    return beyond_limit("this invitation has been used as often as it may be");
   }
   // Without it, one person could use up an invitation for many people.
   std::size_t unknown = 0;
   std::size_t& of_network = network.empty() ? unknown : network_passes_[{found.id, network}];
   if (of_network >= kNetworkPassesMax) {
-    return fail(AccessFault::kLimit, "too many people of your network have used this invitation");
+    return beyond_limit("too many people of your network have used this invitation");
   }
   // Counted before the pass exists, so a failure in between costs a use.
   ++found.used;
@@ -211,9 +223,9 @@ AccessResult<std::vector<std::string>> Access::revoke(std::string_view session,
   const std::scoped_lock writing(file_mutex_);
   const auto found = grants_.find(id);
   if (found == grants_.end() || found->second.session != session) {
-    return fail(AccessFault::kUnknown, "the session has no invitation " + id);
+    return unknown("the session has no invitation " + id);
   }
-  if (auto done = file_.remove(id); !done) return fail(AccessFault::kStorage, done.error());
+  if (auto done = file_.remove(id); !done) return storage_failure(done.error());
   std::vector<std::string> ended;
   {
     const std::scoped_lock lock(mutex_);
@@ -240,7 +252,7 @@ AccessResult<std::vector<std::string>> Access::change_person(
     const std::string& id, const std::function<void(Grant&)>& change) {
   const std::string root = root_of(id);
   const auto found = grants_.find(root);
-  if (found == grants_.end()) return fail(AccessFault::kUnknown, "there is no grant " + id);
+  if (found == grants_.end()) return unknown("there is no grant " + id);
   const bool has_passes = !found->second.is_pass() && !found->second.name.empty();
   std::vector<std::string> changed;
   for (const auto& [other, grant] : std::map(grants_)) {
@@ -287,11 +299,11 @@ AccessResult<std::uint32_t> Access::reserve(const std::string& session, Region r
   const auto found = regions_.find(session);
   std::vector<Region> list = found == regions_.end() ? std::vector<Region>() : found->second;
   if (list.size() >= kRegionsMax) {
-    return fail(AccessFault::kLimit, "the session has 64 reserved regions; release some");
+    return beyond_limit("the session has 64 reserved regions; release some");
   }
   region.id = list.empty() ? 1 : list.back().id + 1;
   if (auto done = file_.put(session, region); !done) {
-    return fail(AccessFault::kStorage, done.error());
+    return storage_failure(done.error());
   }
   report(session, stored(region));
   list.push_back(region);
@@ -305,10 +317,10 @@ AccessResult<void> Access::release(const std::string& session, std::uint32_t reg
   const auto found = regions_.find(session);
   const auto has_id = [&](const Region& one) { return one.id == region; };
   if (found == regions_.end() || std::ranges::none_of(found->second, has_id)) {
-    return fail(AccessFault::kUnknown, "there is no region " + std::to_string(region));
+    return unknown("there is no region " + std::to_string(region));
   }
   if (auto done = file_.remove_region(session, region); !done) {
-    return fail(AccessFault::kStorage, done.error());
+    return storage_failure(done.error());
   }
   report(session, {kRegionKind, std::to_string(region)});
   const std::scoped_lock lock(mutex_);
@@ -319,7 +331,7 @@ AccessResult<void> Access::release(const std::string& session, std::uint32_t reg
 AccessResult<void> Access::forget(const std::string& session) {
   const std::scoped_lock writing(file_mutex_);
   if (auto done = file_.forget(session); !done) {
-    return fail(AccessFault::kStorage, done.error());
+    return storage_failure(done.error());
   }
   const std::scoped_lock lock(mutex_);
   std::erase_if(grants_, [&](const auto& entry) { return entry.second.session == session; });
@@ -356,7 +368,7 @@ AccessResult<std::vector<std::string>> Access::adopt(const std::string& session,
     return std::vector<std::string>();
   }
   if (auto done = file_.replace(session, adopted, reserved); !done) {
-    return fail(AccessFault::kStorage, done.error());
+    return storage_failure(done.error());
   }
   const std::scoped_lock lock(mutex_);
   std::erase_if(grants_, [&](const auto& entry) { return entry.second.session == session; });

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/error.h"
 #include "server/rights/access_token.h"
 #include "server/rights/caller.h"
 #include "server/rights/grant.h"
@@ -35,13 +36,8 @@ struct AccessOptions {
   std::function<std::int64_t()> now_s = {};  ///< seconds since 1970; empty: the system's clock
 };
 
-enum class AccessFault : std::uint8_t { kUnknown, kLimit, kStorage, kInvalid };
-struct AccessError {
-  AccessFault fault = AccessFault::kUnknown;
-  std::string reason;
-};
 template <typename T>
-using AccessResult = std::expected<T, AccessError>;
+using AccessResult = std::expected<T, Error>;
 
 /// An owner's settings for an invitation.
 struct Invitation {

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/session/error.h"
+#include "server/error.h"
 #include "server/store/list_table.h"
 
 namespace kerf {

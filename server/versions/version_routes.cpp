@@ -4,7 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "server/http/history_point.h"
+#include "server/http/responses.h"
+#include "server/http/routes.h"
 #include "server/platform/clock.h"
+#include "server/session/session.h"
 #include "server/store/journal_times.h"
 #include "server/threads/run_and_wait.h"
 #include "server/versions/versions.h"
@@ -126,6 +129,6 @@ constexpr Route kRoutes[] = {
 
 }  // namespace
 
-std::span<const Route> version_routes() { return kRoutes; }
+HttpMatter http_versions() { return {.routes = kRoutes}; }
 
 }  // namespace kerf::net

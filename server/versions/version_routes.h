@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <span>
-
-#include "server/http/routes.h"
+#include "server/http/matter_store.h"
 
 namespace kerf::net {
 
 /// Returns the routes that list, create, rename and delete named versions.
-std::span<const Route> version_routes();
+HttpMatter http_versions();
 
 }  // namespace kerf::net

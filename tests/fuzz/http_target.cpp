@@ -2,9 +2,9 @@
 // Targets and headers of HTTP requests: lines "target", "Range", "Host", "Origin".
 #include <array>
 
+#include "server/downloads/download_request.h"
 #include "server/http/browser_rules.h"
 #include "server/http/byte_range.h"
-#include "server/http/download_request.h"
 #include "server/http/routes.h"
 #include "server/matters.h"
 #include "tests/fuzz/targets.h"
@@ -20,7 +20,7 @@ void read_request(Bytes input) {
   }
   const auto& [target, range, host, origin] = lines;
   if (const auto request = net::parse_target(target)) {
-    static const net::RouteTable table(net::matter_routes());
+    static const net::RouteTable table(net::http_matters());
     for (const char* method : {"GET", "POST", "BREW"}) {
       const auto match = table.match(method, request->path);
       require(match.route == nullptr || !match.allow.empty(), "a route has methods");

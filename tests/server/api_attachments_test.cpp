@@ -28,7 +28,7 @@ struct OtherServer {
   SessionRegistry registry{RegistryOptions{folder.path(), 4, SessionLimits{}},
                            [this](const std::string&) { return executor; }, workers};
   std::unique_ptr<Access> access = *Access::open({.folder = folder.path(), .admin_token = kAdmin});
-  Api api{options, registry, metrics, *access};
+  Api api{options, registry, metrics, *access, http_matters()};
 
   std::shared_ptr<Session> load() {
     EXPECT_TRUE(registry.load_all().failures.empty());

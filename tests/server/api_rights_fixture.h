@@ -33,7 +33,7 @@ class ApiRightsTest : public testing::Test {
   void open(const std::string& admin, bool is_open) {
     api.reset();
     access = *Access::open({.admin_token = admin, .open = is_open});
-    api.emplace(options, *registry, metrics, *access, matter_routes());
+    api.emplace(options, *registry, metrics, *access, http_matters());
     for (const Role role : {Role::kWatcher, Role::kSculptor, Role::kOwner}) {
       tokens[role] = access->invite("block", {.role = role})->token;
     }

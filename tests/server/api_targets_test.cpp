@@ -4,6 +4,7 @@
 #include <cstring>
 #include <vector>
 
+#include "server/targets/target_parts.h"
 #include "tests/server/api_rights_fixture.h"
 
 namespace kerf::net::api_targets_test {

@@ -26,7 +26,7 @@ class ClosedMeanwhile : public testing::Test {
         RegistryOptions{.data_folder = folder_.path(), .sessions_max = 4, .matters = matters()},
         [this](const std::string&) { return executor_; }, workers_);
     access_ = *Access::open({});
-    api_.emplace(options_, *registry_, metrics_, *access_, matter_routes());
+    api_.emplace(options_, *registry_, metrics_, *access_, http_matters());
     ASSERT_TRUE(registry_->create("block", kScene, SceneSource{}));
   }
   ApiResponse ask(const std::string& method, std::string_view target) {

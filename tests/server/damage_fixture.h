@@ -61,7 +61,7 @@ class DamageTest : public testing::Test {
     };
     registry.emplace(
         registry_options, [](const std::string&) { return std::make_shared<AtOnce>(); }, workers);
-    api.emplace(options, *registry, metrics, *access, net::matter_routes());
+    api.emplace(options, *registry, metrics, *access, net::http_matters());
   }
   /// Restarts and loads the session, which must succeed.
   Session& reload() {

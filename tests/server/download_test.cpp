@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "server/downloads/download_name.h"
 #include "server/http/byte_range.h"
 #include "server/http/download_cache.h"
-#include "server/http/download_name.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test.h"
 

@@ -71,7 +71,7 @@ Names parameters_of(const Json& operation, const char* kind) {
 /// Calls `check(route, operation)` for each operation of the table that the document describes.
 template <typename Check>
 void for_each_operation(const Check& check) {
-  const RouteTable table(matter_routes());
+  const RouteTable table(http_matters());
   std::size_t checked = 0;
   for (const Route& route : table.all()) {
     const Json& paths = document().at("paths");
@@ -88,7 +88,7 @@ void for_each_operation(const Check& check) {
 }
 
 TEST(OpenApi, DescribesEachRouteOfTheTableAndNoOther) {
-  const RouteTable table(matter_routes());
+  const RouteTable table(http_matters());
   Names routes, described;
   for (const Route& route : table.all()) {
     for (const std::string& method : split(route.methods)) {
@@ -104,7 +104,7 @@ TEST(OpenApi, DescribesEachRouteOfTheTableAndNoOther) {
 }
 
 TEST(OpenApi, StatesThatHeadIsAnsweredWhereverGetIsExceptForWebSockets) {
-  const RouteTable table(matter_routes());
+  const RouteTable table(http_matters());
   for (const Route& route : table.all()) {
     const Names methods = split(route.methods);
     EXPECT_EQ(methods.contains("HEAD"), methods.contains("GET") && route.upgrade == Upgrade::kNone)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/response_head.h"
+#include "server/http/responses.h"
 
 #include "tests/support/test.h"
 

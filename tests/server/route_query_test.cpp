@@ -36,7 +36,7 @@ class RouteQuery : public SessionTest {
     SessionTest::SetUp();
     options_.data_folder = folder.path();
     access_ = *Access::open({});  // everybody has every right
-    api_.emplace(options_, *registry, metrics_, *access_, matter_routes());
+    api_.emplace(options_, *registry, metrics_, *access_, http_matters());
   }
   /// Returns the response before a request's body is read; nullopt if the request may be handled.
   std::optional<ApiResponse> fault(const Route& route, const std::string& query) {

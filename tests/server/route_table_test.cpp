@@ -11,7 +11,7 @@ namespace kerf::net::route_table_test {
 namespace {
 
 const RouteTable& table() {
-  static const RouteTable kTable(matter_routes());
+  static const RouteTable kTable(http_matters());
   return kTable;
 }
 
@@ -106,7 +106,7 @@ class ApiTest : public SessionTest {
     SessionTest::SetUp();
     options.data_folder = folder.path();
     access = *Access::open({});
-    api.emplace(options, *registry, metrics, *access, matter_routes());
+    api.emplace(options, *registry, metrics, *access, http_matters());
   }
   ApiResponse ask(const std::string& method, std::string_view target, std::string body = {}) {
     ApiRequest request = *parse_target(target);
@@ -136,12 +136,12 @@ constexpr const char* kTetrahedron =
 TEST_F(ApiTest, MeshUploadNeedsMemoryForReading) {
   const std::string body = kTetrahedron;
   options.program_bytes = 19 * body.size();
-  api.emplace(options, *registry, metrics, *access, matter_routes());
+  api.emplace(options, *registry, metrics, *access, http_matters());
   const ApiResponse busy = ask("POST", "/v1/files?name=a.obj", body);
   EXPECT_EQ(busy.status, 503U) << busy.body;
   EXPECT_FALSE(header(busy, "Retry-After").empty());
   options.program_bytes = 20 * body.size();
-  api.emplace(options, *registry, metrics, *access, matter_routes());
+  api.emplace(options, *registry, metrics, *access, http_matters());
   for (int n = 0; n < 3; ++n) {  // the memory is returned
     EXPECT_EQ(ask("POST", "/v1/files?name=a.obj", body).status, 201U);
   }
@@ -349,7 +349,7 @@ TEST_F(ApiTest, DryRunFailsLikeCreation) {
     registry.emplace(
         RegistryOptions{folder.path(), sessions, limits, {}, snapshots, {.folder = bytes}},
         [this](const std::string&) { return executor; }, workers);
-    api.emplace(options, *registry, metrics, *access, matter_routes());
+    api.emplace(options, *registry, metrics, *access, http_matters());
   };
   renew(1, 0);
   for (int n = 0; n < 2; ++n) {
@@ -369,7 +369,7 @@ TEST_F(ApiTest, EachTemplateCanBePricedAndCreated) {
   registry.emplace(
       RegistryOptions{folder.path(), 20, limits, {}, snapshots},
       [this](const std::string&) { return executor; }, workers);
-  api.emplace(options, *registry, metrics, *access, matter_routes());
+  api.emplace(options, *registry, metrics, *access, http_matters());
   for (const auto& one : list) {
     const std::string scene = one.at("scene").dump();
     EXPECT_EQ(ask("POST", "/v1/sessions?dry_run=1", scene).status, 200U) << one.at("id");
@@ -402,7 +402,7 @@ TEST_F(ApiTest, AListOfSessionsStatesWhenTheyWereCreatedAndUsed) {
   const auto active_ms = used.at("active_ms").get<std::int64_t>();
   restart();
   registry->load_all();
-  api.emplace(options, *registry, metrics, *access, matter_routes());
+  api.emplace(options, *registry, metrics, *access, http_matters());
   EXPECT_EQ(listed().at("created_ms"), created.at("created_ms"));
   EXPECT_NEAR(listed().at("active_ms").get<double>(), static_cast<double>(active_ms), 100);
 }

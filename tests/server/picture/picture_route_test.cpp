@@ -3,7 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "server/http/api.h"
-#include "server/http/picture_cache.h"
+#include "server/matters.h"
+#include "server/pictures/picture_cache.h"
 #include "server/platform/clock.h"
 #include "tests/server/session_fixture.h"
 #include "tests/support/test.h"
@@ -163,7 +164,7 @@ class PictureRoute : public ::testing::Test {
   Metrics metrics_;
   HttpOptions options_ = in_folder(folder_.path());
   std::unique_ptr<Access> access_ = *Access::open({});
-  Api api_{options_, registry_, metrics_, *access_};
+  Api api_{options_, registry_, metrics_, *access_, http_matters()};
 };
 
 TEST_F(PictureRoute, ServesAPngOfTheGivenSize) {
@@ -190,7 +191,7 @@ TEST_F(PictureRoute, LeavesForeignFilesInTheDataFolder) {
       std::ofstream(file) << "text";
     }
   }
-  Api again(options_, registry_, metrics_, *access_);
+  Api again(options_, registry_, metrics_, *access_, http_matters());
   EXPECT_EQ(ask("?width=240").status, 200U);
   for (const auto& file : files) EXPECT_TRUE(std::filesystem::exists(file)) << file;
 }
