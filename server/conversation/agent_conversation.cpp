@@ -52,7 +52,7 @@ void AgentConversation::on_event(const SessionEvent& event) {
     say(bye_message(event.closing, event.redirect));
     finish();
   } else if (self_ && event.carvers_changed) {
-    out_.put_participants(carvers_message(session().carvers()));
+    out_.put_participants(carvers_message(session().people().carvers()));
   } else {
     return;
   }
@@ -80,7 +80,7 @@ void AgentConversation::on_hello(const HelloMessage& hello) {
   servers_ = session().other_servers();
   next_servers_ = now_() + kServersInterval;
   say(agent_welcome(session(), *admission, limits_, offer ? &*offer : nullptr, hello.reach));
-  out_.put_participants(carvers_message(session().carvers()));
+  out_.put_participants(carvers_message(session().people().carvers()));
 }
 
 void AgentConversation::on_control(const ControlMessage& message) {
@@ -89,7 +89,7 @@ void AgentConversation::on_control(const ControlMessage& message) {
     return change_stroke(change->undone);
   }
   if (const auto* reach = std::get_if<ReachMessage>(&message)) {
-    if (reaches_.allow(now_())) return session().set_reach(self_->id, reach->reach);
+    if (reaches_.allow(now_())) return session().people().set_reach(self_->id, reach->reach);
     return reject({wire::ErrorCode::kTooFast, "'reach' is limited to 10 per second"});
   }
   const auto* tool = std::get_if<ToolMessage>(&message);
@@ -99,7 +99,7 @@ void AgentConversation::on_control(const ControlMessage& message) {
   if (!tools_.allow(now_())) {
     return reject({wire::ErrorCode::kTooFast, "'tool' is limited to 10 per second"});
   }
-  const auto chosen = session().choose_tool(self_->id, tool->tool);
+  const auto chosen = session().people().choose_tool(self_->id, tool->tool);
   if (!chosen) reject(chosen.error());
 }
 

@@ -36,8 +36,8 @@ AccessResult<void> mute(const ApiCall& call, ParticipantId id, const std::string
     people = *std::move(changed);
   }
   run_and_wait(session.executor(), [&] {
-    for (const std::string& one : people) session.set_muted_of(one, muted);
-    return session.set_muted(id, muted);
+    for (const std::string& one : people) session.people().set_muted_of(one, muted);
+    return session.people().set_muted(id, muted);
   });
   return {};
 }
@@ -78,8 +78,9 @@ ApiResponse change_participant(const ApiCall& call) {
       lowered = *std::move(done);
     }
     run_and_wait(session.executor(), [&] {
-      for (const std::string& person : lowered) session.set_role_of(person, Role::kSculptor);
-      for (const std::string& person : *changed) session.set_role_of(person, *role);
+      for (const std::string& person : lowered)
+        session.people().set_role_of(person, Role::kSculptor);
+      for (const std::string& person : *changed) session.people().set_role_of(person, *role);
       return true;
     });
   }
@@ -103,7 +104,7 @@ ApiResponse remove_participant(const ApiCall& call) {
   }
   (void)session.flush();
   const bool removed = run_and_wait(session.executor(), [&] {
-    const bool done = session.remove(target->participant.id, reason);
+    const bool done = session.people().remove(target->participant.id, reason);
     session.remove_holders(grants, reason);
     return done;
   });
@@ -117,9 +118,9 @@ std::optional<FoundParticipant> find_participant(Session& session, const std::st
   const auto id = parse_number<ParticipantId>(number);
   if (!id) return std::nullopt;
   return run_and_wait(session.executor(), [&]() -> std::optional<FoundParticipant> {
-    const auto participant = session.participant(*id);
+    const auto participant = session.people().participant(*id);
     if (!participant) return std::nullopt;
-    return FoundParticipant{*participant, session.person(*id)};
+    return FoundParticipant{*participant, session.people().person(*id)};
   });
 }
 

@@ -99,9 +99,9 @@ std::uint32_t line_at(const ProgramPath& path, Vec3 place_mm) {
 Json program_of(Session& session, const SurfaceMaker& maker) {
   const auto [id, name, text] = run_and_wait(session.executor(), [&] {
     using Found = std::tuple<ProgramId, std::string, std::shared_ptr<const ProgramText>>;
-    for (const ProgramStatus& program : session.programs()) {
+    for (const ProgramStatus& program : session.programs().list()) {
       if (program.participant != maker.stroke.participant) continue;
-      return Found{program.id, program.name, session.program_text(program.id)};
+      return Found{program.id, program.name, session.programs().text(program.id)};
     }
     return Found{};
   });

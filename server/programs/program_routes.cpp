@@ -47,7 +47,8 @@ std::expected<ProgramOrder, Error> parse_order(const std::string& text) {
 std::optional<ProgramStatus> find_program(const ApiCall& call) {
   const auto id = parse_number<ProgramId>(call.captured);
   if (!id) return std::nullopt;
-  return run_and_wait(call.session->executor(), [&] { return call.session->program(*id); });
+  return run_and_wait(call.session->executor(),
+                      [&] { return call.session->programs().status(*id); });
 }
 
 ApiResponse unknown_program(const ApiCall& call) {
@@ -61,7 +62,8 @@ ApiResponse status_response(const ApiCall& call, const ProgramStatus& program) {
 ApiResponse list_programs(const ApiCall& call) {
   Session& session = *call.session;
   Json list = Json::array();
-  for (const auto& status : run_and_wait(session.executor(), [&] { return session.programs(); })) {
+  for (const auto& status :
+       run_and_wait(session.executor(), [&] { return session.programs().list(); })) {
     list.push_back(Json::parse(status_text(session.id(), status, call.caller)));
   }
   const Json json = {{"programs", list}};
@@ -79,8 +81,8 @@ ApiResponse cancel_program(const ApiCall& call) {
   if (!status) return unknown_program(call);
   if (auto failure = control_failure(call, *status)) return *std::move(failure);
   Session& session = *call.session;
-  const bool cancelled =
-      run_and_wait(session.executor(), [&, id = status->id] { return session.cancel_program(id); });
+  const bool cancelled = run_and_wait(
+      session.executor(), [&, id = status->id] { return session.programs().cancel(id); });
   if (!cancelled) return has_ended(call);
   return status_response(call, *find_program(call));
 }
@@ -115,8 +117,8 @@ ApiResponse change_program(const ApiCall& call) {
   }
   Session& session = *call.session;
   const bool done = run_and_wait(session.executor(), [&, id = status->id] {
-    return (!has_pace || session.set_program_pace(id, *pace, *speed)) &&
-           (!order || session.order_program(id, *order));
+    return (!has_pace || session.programs().set_pace(id, *pace, *speed)) &&
+           (!order || session.programs().order(id, *order));
   });
   if (!done) return has_ended(call);
   return status_response(call, *find_program(call));

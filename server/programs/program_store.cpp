@@ -19,14 +19,14 @@ std::expected<void, std::string> ProgramStore::adopt(Session& session,
   // Requests that find the session are posted after this.
   std::vector<Attachment> list(attachments.begin(), attachments.end());
   session.executor().post([weak = session.weak_from_this(), list = std::move(list)] {
-    if (const auto self = weak.lock()) self->list_stopped(list);
+    if (const auto self = weak.lock()) self->programs().list_stopped(list);
   });
   return {};
 }
 
 void ProgramStore::free_memory() {
   for (const auto& session : registry_.list()) {
-    run_and_wait(session->executor(), [&] { return session->drop_ended_texts(), 0; });
+    run_and_wait(session->executor(), [&] { return session->programs().drop_ended_texts(), 0; });
   }
 }
 

@@ -31,7 +31,7 @@ std::expected<std::shared_ptr<const ProgramText>, ApiResponse> find_text(const A
   const auto id = parse_number<ProgramId>(call.captured).value_or(0);
   Session& session = *call.session;
   auto [is_known, text] = run_and_wait(session.executor(), [&] {
-    return std::pair(session.program(id).has_value(), session.program_text(id));
+    return std::pair(session.programs().status(id).has_value(), session.programs().text(id));
   });
   if (text) return std::move(text);
   return std::unexpected(

@@ -136,7 +136,7 @@ ApiResponse start_program(const ApiCall& call) {
   order.memory = *std::move(memory);
   auto started = run_and_wait(session.executor(), [&] {
     session.reserve(call.services.access.regions(session.id()));
-    return session.start_program(std::move(job), std::move(order), call.caller);
+    return session.programs().start(std::move(job), std::move(order), call.caller);
   });
   if (!started) return rejection_response(started.error(), 400);
   auto response = json_response(202, status_text(session.id(), *started, call.caller));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <expected>
 #include <functional>
@@ -98,6 +99,16 @@ class Participants {
 
   /// Returns null for an unknown id. The pointer is valid until the participant leaves.
   ParticipantState* find(ParticipantId id);
+  /// The current state of a participant. Nullopt for an unknown id.
+  std::optional<Participant> participant(ParticipantId id) {
+    const ParticipantState* state = find(id);
+    return state == nullptr ? std::nullopt : std::optional(state->participant);
+  }
+  /// The personal grant of a participant; empty if none.
+  std::string person(ParticipantId id) {
+    const ParticipantState* state = find(id);
+    return state == nullptr ? "" : state->person;
+  }
   std::vector<Participant> list() const;
   std::size_t count() const { return states_.size(); }
   /// The participants as viewers see them.
@@ -108,6 +119,8 @@ class Participants {
   std::vector<wire::ToolState> tool_states() const;
   /// The tool of the participant whose force `state` receives too. Nullopt if there is none.
   std::optional<wire::ToolState> felt_by(const ParticipantState& state) const;
+  /// An agent is moving if it sent a sample within this time.
+  static constexpr std::chrono::milliseconds kAgentIsActive{200};
   /// True if an agent other than `except` sent a sample within `period`.
   bool has_active_agent(Clock::duration period, ParticipantId except = 0) const;
   /// Returns the tools of other agents within kIntentReachMm of a participant's, nearest first.

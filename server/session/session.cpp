@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/session/session.h"
-
 #include <algorithm>
 #include <utility>
 
 #include "kernel/cut/workers.h"
+#include "server/session/session.h"
 
 namespace kerf {
 namespace {
@@ -42,6 +41,11 @@ Session::Session(std::string id, Replayed replayed, SessionJournal journal, Sess
                  {{}, replayed.snapshot_sequence, replayed.replay_time, Clock::now()},
                  replayed.snapshot, SessionOwner([this] { return weak_from_this(); }),
                  [this] { return is_between_records(); }),
+      programs_({*executor_, sculpture_, journal_, participants_, carving_},
+                SessionOwner([this] { return weak_from_this(); }),
+                {[this](const JoinRequest& request) { return join(request); },
+                 [this](ParticipantId ended) { leave(ended); },
+                 [this](bool removed) { end_turn(removed); }}),
       workers_(workers),
       matters_(matters, journal_),
       parent_(std::move(replayed.parent)) {
@@ -131,14 +135,6 @@ std::uint64_t Session::durable_sequence(ParticipantId id) {
   return state->durable.committed(journal_.is_fenced() ? 0 : journal_.durable_sequence());
 }
 
-std::expected<void, Rejection> Session::choose_tool(ParticipantId id, ToolId tool) {
-  return participants_.choose_tool(id, tool);
-}
-
-void Session::set_reach(ParticipantId id, const std::optional<DeviceReach>& reach) {
-  participants_.set_reach(id, reach);
-}
-
 MotionAnswer Session::rejected_move() const {
   MotionAnswer answer;
   answer.rejections.push_back(
@@ -163,10 +159,7 @@ std::optional<MotionAnswer> Session::begin_move(ParticipantId id,
   }
   const std::uint64_t removal_before = journal_.removal_sequence();
   auto answer = carving_.move(*state, samples);
-  show_figures();
-  if (journal_.removal_sequence() != removal_before) schedule_hash();
-  snapshots_.write_if_due();
-  past_.read_ahead();
+  end_turn(journal_.removal_sequence() != removal_before);
   return answer;
 }
 
@@ -175,11 +168,25 @@ std::optional<MotionAnswer> Session::go_on(ParticipantId id) {
   if (state == nullptr || closed_ || !carving_.has_batch(id)) return rejected_move();
   SerialWorkers alone;
   auto answer = carving_.go_on(*state, carvers_ != nullptr ? *carvers_ : alone);
+  end_turn(true);
+  return answer;
+}
+
+/// Ends a turn in which something may have been carved.
+void Session::end_turn(bool removed) {
+  if (removed) schedule_hash();
   show_figures();
-  schedule_hash();
   snapshots_.write_if_due();
   past_.read_ahead();
-  return answer;
+}
+
+void Session::remove_holders(std::span<const std::string> grants, const std::string& reason) {
+  for (const ProgramStatus& program : programs_.list()) {
+    const ParticipantState* state = participants_.find(program.participant);
+    if (state == nullptr || std::ranges::find(grants, state->grant) == grants.end()) continue;
+    programs_.cancel(program.id);
+  }
+  participants_.remove_holders(grants, reason);
 }
 
 void Session::finish_left() {
@@ -195,7 +202,7 @@ SessionFrame Session::frame(bool with_snapshot) {
   frame.hash = journal_.newest_hash();
   frame.hash_is_current = current_hash().has_value();
   if (const auto error = pause()) frame.paused = pause_word(error->code);
-  frame.programs = program_update(with_snapshot);
+  frame.programs = programs_.update(with_snapshot);
   frame.matters = matters_.updates(with_snapshot);
   frame.tools.tools = participants_.tool_states();
   show_live(frame, with_snapshot);
@@ -250,8 +257,7 @@ void Session::note_hash(StateHash state) {
 
 void Session::close(const std::string& reason, const std::string& redirect) {
   if (closed_) return;
-  programs_.cancel_all();
-  retire_programs(false);
+  programs_.close();
   closed_ = true;
   past_.close();
   stroke_changes_.close();

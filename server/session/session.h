@@ -21,7 +21,6 @@
 #include "server/session/disk_limits.h"
 #include "server/session/live_state.h"
 #include "server/session/participants.h"
-#include "server/session/program_runs.h"
 #include "server/session/replay.h"
 #include "server/session/session_info.h"
 #include "server/session/session_journal.h"
@@ -29,6 +28,7 @@
 #include "server/session/session_matters.h"
 #include "server/session/session_past.h"
 #include "server/session/session_places.h"
+#include "server/session/session_programs.h"
 #include "server/session/snapshot_keeper.h"
 #include "server/session/snapshot_schedule.h"
 #include "server/session/stroke_changes.h"
@@ -45,10 +45,8 @@ inline constexpr ParticipantId kFollowerIds = 0x4000'0000;
 /// on the session's executor, which decides the order of motions.
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  /// Minimum intervals between two reports of changed participants and of changed programs.
-  static constexpr std::chrono::milliseconds kChangeInterval{250}, kProgramUpdateInterval{250};
-  /// An agent is moving if it sent a sample within this time.
-  static constexpr std::chrono::milliseconds kAgentIsActive{200};
+  /// Minimum interval between two reports of changed participants.
+  static constexpr std::chrono::milliseconds kChangeInterval{250};
 
   /// Takes over a replayed (or new) block and its journal. `workers` computes state hashes and must
   /// outlive the session.
@@ -130,36 +128,13 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<Admission, Rejection> admit(const JoinRequest& request);
   /// Like admit(), for a participant that does not resume.
   std::expected<Participant, Rejection> join(const JoinRequest& request);
-  /// See Participants.
-  std::optional<double> viewer_turn() { return participants_.viewer_turn(); }
   void leave(ParticipantId id);
-  /// The current state of a participant. Nullopt for an unknown id.
-  std::optional<Participant> participant(ParticipantId id) {
-    const ParticipantState* state = participants_.find(id);
-    return state == nullptr ? std::nullopt : std::optional(state->participant);
-  }
-  /// The personal grant of a participant; empty if none.
-  std::string person(ParticipantId id) {
-    const ParticipantState* state = participants_.find(id);
-    return state == nullptr ? "" : state->person;
-  }
-  /// See Participants.
-  bool remove(ParticipantId id, const std::string& reason) {
-    return participants_.remove(id, reason);
-  }
+  /// Who participates, and their rights.
+  Participants& people() { return participants_; }
   /// Removes the holders of these grants and cancels their programs.
   void remove_holders(std::span<const std::string> grants, const std::string& reason);
-  void set_role_of(const std::string& person, Role role) {
-    participants_.set_role_of(person, role);
-  }
-  bool set_muted(ParticipantId id, bool muted) { return participants_.set_muted(id, muted); }
-  void set_muted_of(const std::string& person, bool muted) {
-    participants_.set_muted_of(person, muted);
-  }
   /// Replaces the reserved regions of the block.
   void reserve(const std::vector<Region>& regions) { carving_.reserve(regions); }
-  std::expected<void, Rejection> choose_tool(ParticipantId id, ToolId tool);
-  void set_reach(ParticipantId id, const std::optional<DeviceReach>& reach);
   /// Validates, journals and applies each sample in turn. A rejected sample changes nothing and
   /// does not stop the samples after it.
   MotionAnswer move(ParticipantId id, std::span<const wire::MotionSample> samples);
@@ -175,7 +150,7 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Whether another agent is moving, so that a participant with much work must leave it half of
   /// the time.
   bool has_other_agent(ParticipantId id) const {
-    return participants_.has_active_agent(kAgentIsActive, id);
+    return participants_.has_active_agent(Participants::kAgentIsActive, id);
   }
   /// Whether a motion is partly cut, or an undo or redo is not yet carved into the solid, so that
   /// the solid matches no record of the journal.
@@ -196,21 +171,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// participants without a replica.
   void reset_stock(ParticipantId id);
 
-  /// Carves a program as a further participant, at once or after another one. Rejects tools that
-  /// the scene lacks, and an `after` that is unknown or has ended without having finished.
-  std::expected<ProgramStatus, Rejection> start_program(ProgramJob job, ProgramOptions request,
-                                                        const Caller& caller = Caller::local());
-  /// Lists the programs that were running when another server ended, or this one at its last stop.
-  void list_stopped(const std::vector<Attachment>& attachments);
-  std::optional<ProgramStatus> program(ProgramId id) const { return programs_.status(id); }
-  std::vector<ProgramStatus> programs() const { return programs_.list(); }
-  /// See ProgramRuns.
-  std::shared_ptr<const ProgramText> program_text(ProgramId id) const { return programs_.text(id); }
-  void drop_ended_texts() { programs_.drop_ended_texts(0); }
-  bool order_program(ProgramId id, ProgramOrder order);
-  bool set_program_pace(ProgramId id, ProgramPace pace, double speed);
-  bool cancel_program(ProgramId id);
-
+  /// The programs, each of which carves as a participant.
+  SessionPrograms& programs() { return programs_; }
   /// The lists that people keep with the block.
   SessionMatters& matters() { return matters_; }
 
@@ -219,8 +181,6 @@ class Session : public std::enable_shared_from_this<Session> {
   std::vector<Participant> participants() const;
   /// The participants as viewers see them. Viewers at other servers are counted.
   Roster roster() const;
-  /// The agents and programs.
-  std::vector<Participant> carvers() const { return participants_.carvers(); }
   SessionFrame frame(bool with_snapshot);
   SolidSnapshot solid() { return sculpture_.solid(); }
   std::uint64_t sequence() const { return journal_.sequence(); }
@@ -254,12 +214,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
  private:
   ParticipantState* replica_owner(ParticipantId id);
-  std::expected<ProgramId, Rejection> predecessor(ProgramId after) const;
-  void schedule_programs();
-  std::optional<std::vector<ProgramGlance>> program_update(bool all);
-  void run_programs();
-  /// `for_good`: also deletes their attachments.
-  void retire_programs(bool for_good = true);
+  void end_turn(bool removed);
   void forget_batch(ParticipantId id);
   void finish_left();
   MotionAnswer rejected_move() const;
@@ -280,10 +235,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Carving carving_;
   StrokeChanges stroke_changes_;
   SnapshotKeeper snapshots_;
-  ProgramRuns programs_;
-  bool programs_scheduled_ = false;
-  std::uint64_t programs_sent_ = 0;  ///< ProgramRuns::changes() as of the last frame with programs
-  Clock::time_point programs_sent_at_{};
+  SessionPrograms programs_;
   Executor& workers_;
   const SessionPlaces* places_ = nullptr;  ///< null if there is only one server
   Workers* carvers_ = nullptr;             ///< null: the session's thread carves alone

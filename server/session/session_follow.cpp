@@ -31,10 +31,7 @@ std::expected<std::size_t, std::string> Session::follow(std::span<const JournalR
     }
     ++done;
   }
-  show_figures();
-  schedule_hash();
-  snapshots_.write_if_due();
-  past_.read_ahead();
+  end_turn(true);
   return done;
 }
 

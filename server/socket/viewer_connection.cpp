@@ -79,7 +79,7 @@ asio::awaitable<void> ViewerConnection::act() {
 /// Waits until the viewer may join. Returns false if it must be rejected. A large audience is
 /// admitted one by one.
 asio::awaitable<bool> ViewerConnection::wait_for_turn() {
-  auto ask = [session = session_] { return session->viewer_turn(); };
+  auto ask = [session = session_] { return session->people().viewer_turn(); };
   const auto wait_s = co_await run_on(threads_of(*session_), std::move(ask));
   if (!wait_s) co_return false;
   if (*wait_s <= 0) co_return true;

@@ -136,7 +136,7 @@ TEST_F(AgentConversationTest, RemovedAgentLeavesBeforeItsConnectionEnds) {
   const auto ada = agent(), bob = agent();
   join_agent(*ada);
   join_agent(*bob, R"({"type":"hello","name":"Bob"})");
-  ASSERT_TRUE(session->remove(1, "enough"));
+  ASSERT_TRUE(session->people().remove(1, "enough"));
   EXPECT_EQ(session->info().participants.size(), 1U);
   EXPECT_EQ(error_code(*ada), "removed");
   EXPECT_TRUE(ada->finishing());
@@ -155,7 +155,7 @@ TEST_F(AgentConversationTest, MotionOfARemovedAgentIsCompleted) {
   send(*ada, encoded(plunge));
   ASSERT_TRUE(ada->has_action());
   ASSERT_TRUE(session->is_between_records());
-  ASSERT_TRUE(session->remove(1, "enough"));
+  ASSERT_TRUE(session->people().remove(1, "enough"));
   EXPECT_FALSE(ada->has_action());
   executor->run();
   EXPECT_FALSE(session->is_between_records());

@@ -77,7 +77,7 @@ TEST_F(AgentIntentTest, IntentsAreSentOnRequestOnly) {
 
 TEST_F(AgentIntentTest, TheToolOfAMutedParticipantIsNotSent) {
   begin(R"({"type":"hello","intent":true})");
-  ASSERT_TRUE(session->set_muted(bob, true));
+  ASSERT_TRUE(session->people().set_muted(bob, true));
   for (int ms = 0; ms < 40; ++ms) EXPECT_TRUE(step(0).empty());
 }
 

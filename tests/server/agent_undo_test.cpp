@@ -217,14 +217,14 @@ TEST_F(AgentUndo, IsRejectedForMutedAgents) {
   const std::uint64_t one = hash();
   EXPECT_EQ(outcome(R"({"type":"undo"})"), "done");
   const std::uint64_t none = hash();
-  ASSERT_TRUE(session_->set_muted(id_, true));
+  ASSERT_TRUE(session_->people().set_muted(id_, true));
   const auto records = session_->sequence();
   EXPECT_EQ(outcome(R"({"type":"redo"})"), "muted");
   EXPECT_EQ(hash(), none);
   EXPECT_EQ(session_->sequence(), records);
-  ASSERT_TRUE(session_->set_muted(id_, false));
+  ASSERT_TRUE(session_->people().set_muted(id_, false));
   EXPECT_EQ(outcome(R"({"type":"redo"})"), "done");
-  ASSERT_TRUE(session_->set_muted(id_, true));
+  ASSERT_TRUE(session_->people().set_muted(id_, true));
   EXPECT_EQ(outcome(R"({"type":"undo"})"), "muted");
   EXPECT_EQ(hash(), one);
 }

@@ -91,7 +91,7 @@ TEST_F(ApiOwnersTest, AuthorsAreListedAfterTheyLeave) {
   const ParticipantId id = join(tokens[Role::kSculptor]);
   const ParticipantId watcher = join(tokens[Role::kWatcher], ParticipantKind::kViewer);
   groove(id, -10);
-  const std::string name = session->participant(id)->name;
+  const std::string name = session->people().participant(id)->name;
   session->leave(id);
   const Json list = made("GET", "/v1/sessions/block/authors", tokens[Role::kWatcher]).at("authors");
   ASSERT_EQ(list.size(), 1U) << "and not watcher " << watcher;

@@ -264,7 +264,7 @@ TEST_F(ApiRightsTest, MuteFollowsThePerson) {
   const std::string target = "/v1/sessions/block/participants/" + std::to_string(join(ada));
   made("POST", target + "?muted=1", tokens[Role::kOwner]);
   EXPECT_TRUE(access->identify(ada, "block").is_muted);
-  EXPECT_TRUE(session->participant(join(ada))->is_muted);
+  EXPECT_TRUE(session->people().participant(join(ada))->is_muted);
   made("POST", target + "?muted=0", tokens[Role::kOwner]);
   EXPECT_FALSE(access->identify(ada, "block").is_muted);
   made("POST", target + "?muted=perhaps", tokens[Role::kOwner], 400);
@@ -280,10 +280,10 @@ TEST_F(ApiRightsTest, OwnershipIsTransferredBetweenPeople) {
   made("POST", target + std::to_string(heir) + "?transfer=1", ada);
   EXPECT_EQ(access->identify(grace, "block").role, Role::kOwner);
   EXPECT_EQ(access->identify(ada, "block").role, Role::kSculptor);
-  EXPECT_EQ(session->participant(heir)->role, Role::kOwner);
-  EXPECT_EQ(session->participant(owner)->role, Role::kSculptor);
+  EXPECT_EQ(session->people().participant(heir)->role, Role::kOwner);
+  EXPECT_EQ(session->people().participant(owner)->role, Role::kSculptor);
   made("POST", target + std::to_string(owner) + "?role=watcher", grace);
-  EXPECT_EQ(session->participant(owner)->role, Role::kWatcher);
+  EXPECT_EQ(session->people().participant(owner)->role, Role::kWatcher);
   made("POST", target + std::to_string(owner) + "?role=administrator", grace, 400);
 }
 

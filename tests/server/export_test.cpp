@@ -87,7 +87,7 @@ TEST_F(ExportOfRests, DwellsOfAProgramAreKept) {
       "G21 G90 G94 T1 M6\nG0 X0 Y0 Z5\nG1 Z-3 F600\nG4 P0.25\nG0 Z5\nG4 P0.5\nX5\nM2\n";
   const auto program = parse_program("drill.ngc", text, session_->scene());
   ASSERT_TRUE(program);
-  ASSERT_TRUE(session_->start_program(*program, {ProgramPace::kFast}));
+  ASSERT_TRUE(session_->programs().start(*program, {ProgramPace::kFast}));
   executor_->run();
   EXPECT_EQ(dwells(ProgramFormat::kGcode), (std::vector{0.25, 0.5}));
   EXPECT_EQ(dwells(ProgramFormat::kApt), (std::vector{0.25, 0.5}));

@@ -107,10 +107,10 @@ TEST_F(LongMotionTest, ProgramMotionTakesSeveralSlicesAndSurvivesCancellation) {
   for (ProgramMotion& motion : program.motions) motion.tool = 1;
   program.motions[0].from.tip_mm = program.motions[1].to.tip_mm = {0, 0, 1};
   program.motions[0].to.tip_mm = program.motions[1].from.tip_mm = {0, 0, -2};
-  const auto run = test::value_of(session->start_program(program, {ProgramPace::kFast}));
+  const auto run = test::value_of(session->programs().start(program, {ProgramPace::kFast}));
   ASSERT_TRUE(executor->run_one());
-  if (session->program(run.id)->state == ProgramState::kRunning) {
-    EXPECT_TRUE(session->cancel_program(run.id));
+  if (session->programs().status(run.id)->state == ProgramState::kRunning) {
+    EXPECT_TRUE(session->programs().cancel(run.id));
   }
   executor->run();
   executor->run_delayed();

@@ -108,7 +108,7 @@ class OwnThings : public ApiRightsTest, public testing::WithParamInterface<Comma
   std::string grant_of(const std::string& token) { return access->identify(token, "block").grant; }
   void set_role(const std::string& token, Role role) {
     ASSERT_TRUE(access->set_role(grant_of(token), role));
-    session->set_role_of(grant_of(token), role);
+    session->people().set_role_of(grant_of(token), role);
   }
   static std::string code(const ApiResponse& response) {
     return Json::parse(response.body).at("error").at("code");
@@ -142,7 +142,7 @@ TEST_P(OwnThings, AMutedParticipantDoesNotChangeTheBlock) {
   const std::string thing = make(GetParam().thing, ada_);
   const auto mute = [&](bool muted) {
     ASSERT_TRUE(access->set_muted(grant_of(ada_), muted));
-    session->set_muted_of(grant_of(ada_), muted);
+    session->people().set_muted_of(grant_of(ada_), muted);
   };
   mute(true);
   const ApiResponse response = command(thing, ada_);

@@ -131,9 +131,9 @@ TEST_F(SessionTest, CrashingProgramListsAlarmsWithPositions) {
                                    "G1 Z-6 F600\n"  // 2 mm deeper than the tool cuts
                                    "G1 Z9\nM2\n",
                                    session->scene()));
-  const auto id = session->start_program(program, {})->id;
-  while (session->program(id)->state == ProgramState::kRunning) executor->run();
-  const ProgramStatus status = *session->program(id);
+  const auto id = session->programs().start(program, {})->id;
+  while (session->programs().status(id)->state == ProgramState::kRunning) executor->run();
+  const ProgramStatus status = *session->programs().status(id);
   EXPECT_EQ(status.state, ProgramState::kFinished);
   ASSERT_EQ(status.alarms.size(), 2U);
   EXPECT_EQ(status.alarm_count, 2U);
@@ -158,13 +158,13 @@ TEST_F(SessionTest, FramesIncludeProgramsOnlyAfterAChange) {
   EXPECT_FALSE(session->frame(true).programs);
   Program program{.motions = {motion_at(1, 1)}};
   program.motions[0].duration_s = 1000;
-  const auto id = session->start_program(program, {ProgramPace::kFeed})->id;
+  const auto id = session->programs().start(program, {ProgramPace::kFeed})->id;
   auto update = session->frame(false).programs;
   ASSERT_TRUE(update);
   EXPECT_EQ(update->at(0).state, ProgramState::kRunning);
   EXPECT_FALSE(session->frame(false).programs);
   EXPECT_TRUE(session->frame(true).programs);
-  session->order_program(id, ProgramOrder::kPause);
+  session->programs().order(id, ProgramOrder::kPause);
   EXPECT_FALSE(session->frame(false).programs) << "four times a second at most";
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(9);
   while (!(update = session->frame(false).programs) && std::chrono::steady_clock::now() < end) {
@@ -172,7 +172,7 @@ TEST_F(SessionTest, FramesIncludeProgramsOnlyAfterAChange) {
   ASSERT_TRUE(update);
   EXPECT_EQ(update->at(0).state, ProgramState::kPaused);
   EXPECT_FALSE(session->frame(false).programs);
-  for (int n = 0; n < 7; ++n) (void)session->start_program(Program{}, {});
+  for (int n = 0; n < 7; ++n) (void)session->programs().start(Program{}, {});
   update = session->frame(true).programs;
   ASSERT_EQ(update->size(), 1 + ProgramRuns::kEndedShown);
   EXPECT_EQ(update->front().id, id);

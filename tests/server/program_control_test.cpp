@@ -200,16 +200,16 @@ TEST_F(SessionTest, PausedProgramSchedulesNothing) {
   const auto session = start();
   Program program = program_at({1, 2});
   for (ProgramMotion& motion : program.motions) motion.from = motion.to = {{0, 0, -1}, {0, 0, 1}};
-  const auto id = session->start_program(program, {ProgramPace::kFeed})->id;
-  EXPECT_TRUE(session->order_program(id, ProgramOrder::kPause));
+  const auto id = session->programs().start(program, {ProgramPace::kFeed})->id;
+  EXPECT_TRUE(session->programs().order(id, ProgramOrder::kPause));
   for (int n = 0; n < 5; ++n) executor->run_delayed();
   executor->last_delay = std::chrono::microseconds(0);
   executor->run_delayed();
   EXPECT_EQ(executor->last_delay.count(), 0);
-  EXPECT_TRUE(session->set_program_pace(id, ProgramPace::kFast, 1));
-  EXPECT_TRUE(session->order_program(id, ProgramOrder::kResume));
+  EXPECT_TRUE(session->programs().set_pace(id, ProgramPace::kFast, 1));
+  EXPECT_TRUE(session->programs().order(id, ProgramOrder::kResume));
   executor->run();
-  EXPECT_EQ(session->program(id)->state, ProgramState::kFinished);
+  EXPECT_EQ(session->programs().status(id)->state, ProgramState::kFinished);
 }
 
 class StoppedPrograms : public SessionTest {
@@ -227,11 +227,11 @@ class StoppedPrograms : public SessionTest {
     }
     ProgramOptions options{ProgramPace::kFeed, 2.5};
     options.text = std::make_shared<const ProgramText>("text of " + name);
-    return session->start_program(program, std::move(options))->id;
+    return session->programs().start(program, std::move(options))->id;
   }
   /// Carves the next line.
   void step(ProgramId id) {
-    EXPECT_TRUE(session->order_program(id, ProgramOrder::kStep));
+    EXPECT_TRUE(session->programs().order(id, ProgramOrder::kStep));
     for (int n = 0; n < 3; ++n) executor->run_delayed();
   }
   /// Returns the programs that the next server would list as stopped.
@@ -246,12 +246,12 @@ class StoppedPrograms : public SessionTest {
 TEST_F(StoppedPrograms, AreListedWithTheLineOfTheirNewestRecord) {
   begin("waits.ngc");
   const ProgramId runs = begin("runs.ngc");
-  session->cancel_program(begin("ends.ngc"));
-  EXPECT_TRUE(session->order_program(runs, ProgramOrder::kPause));
-  EXPECT_TRUE(session->set_program_pace(runs, ProgramPace::kFast, 1));
+  session->programs().cancel(begin("ends.ngc"));
+  EXPECT_TRUE(session->programs().order(runs, ProgramOrder::kPause));
+  EXPECT_TRUE(session->programs().set_pace(runs, ProgramPace::kFast, 1));
   step(runs);
   step(runs);
-  ASSERT_EQ(session->program(runs)->line, 4U);
+  ASSERT_EQ(session->programs().status(runs)->line, 4U);
   auto list = stopped();
   ASSERT_EQ(list.size(), 2U);
   EXPECT_EQ(list[0].status.name, "waits.ngc");
@@ -265,7 +265,7 @@ TEST_F(StoppedPrograms, AreListedWithTheLineOfTheirNewestRecord) {
   EXPECT_EQ(list[1].text->text, "text of runs.ngc");
   step(runs);
   step(runs);
-  ASSERT_EQ(session->program(runs)->state, ProgramState::kFinished);
+  ASSERT_EQ(session->programs().status(runs)->state, ProgramState::kFinished);
   EXPECT_EQ(stopped().size(), 1U) << "one that has finished is not shown again";
 }
 
@@ -278,15 +278,15 @@ TEST_F(StoppedPrograms, AreListedOnceAfterTheirServerEnded) {
     restart();
     EXPECT_TRUE(registry->load_all().failures.empty());
     session = registry->find("block");
-    session->list_stopped(*read_attachments(session->journal_file()));
+    session->programs().list_stopped(*read_attachments(session->journal_file()));
     EXPECT_TRUE(session->flush());
-    return session->programs();
+    return session->programs().list();
   };
   const auto programs = shown();
   ASSERT_EQ(programs.size(), 1U);
   EXPECT_EQ(programs[0].name, "job.ngc");
   EXPECT_EQ(programs[0].participant, 1U);
-  EXPECT_EQ(session->program_text(programs[0].id)->text, "text of job.ngc");
+  EXPECT_EQ(session->programs().text(programs[0].id)->text, "text of job.ngc");
   EXPECT_TRUE(shown().empty());
 }
 
@@ -301,17 +301,17 @@ TEST_F(StoppedPrograms, IgnoreDamagedAttachments) {
 
 TEST_F(SessionTest, ProgramsCannotFollowFailedOrUnknownOnes) {
   const auto session = start();
-  const auto cancelled = session->start_program(program_at({1}), {ProgramPace::kFeed})->id;
-  session->cancel_program(cancelled);
+  const auto cancelled = session->programs().start(program_at({1}), {ProgramPace::kFeed})->id;
+  session->programs().cancel(cancelled);
   const auto refused = [&](ProgramId after) {
-    return !session->start_program(program_at({1}), {.after = after});
+    return !session->programs().start(program_at({1}), {.after = after});
   };
   EXPECT_TRUE(refused(cancelled));
   EXPECT_TRUE(refused(77));
-  const auto finished = session->start_program(program_at({}), {})->id;
-  EXPECT_EQ(session->start_program(program_at({1}), {.after = finished})->state,
+  const auto finished = session->programs().start(program_at({}), {})->id;
+  EXPECT_EQ(session->programs().start(program_at({1}), {.after = finished})->state,
             ProgramState::kRunning);
-  const auto queued = session->start_program(program_at({1}), {.after = kAfterNewest});
+  const auto queued = session->programs().start(program_at({1}), {.after = kAfterNewest});
   EXPECT_EQ(queued->state, ProgramState::kQueued);
   EXPECT_EQ(queued->after, queued->id - 1);
 }

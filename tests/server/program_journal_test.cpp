@@ -33,14 +33,14 @@ class ProgramJournal : public SessionTest {
   }
   /// Runs a program like the server. A disk whose syncs block is released when the program waits.
   ProgramStatus run(Session& session, Program program) {
-    const auto started = session.start_program(std::move(program), {ProgramPace::kFast});
+    const auto started = session.programs().start(std::move(program), {ProgramPace::kFast});
     EXPECT_TRUE(started);
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(120);
     ProgramStatus status = *started;
     while (status.state == ProgramState::kRunning && std::chrono::steady_clock::now() < end) {
       for (int n = 0; n < 1000 && executor->run_one(); ++n) {
       }
-      status = *session.program(started->id);
+      status = *session.programs().status(started->id);
       if (status.waiting) {
         EXPECT_LT(session.journal_lag(), kJournalBufferRecords / 2) << "the rest is for agents";
         disk.block_syncs(false);
@@ -104,22 +104,22 @@ TEST_F(ProgramJournal, ProgramWaitsForAFullDiskAndContinues) {
   const auto agent = join(*session);
   disk.fail({test::DiskFault::kNoSpace, test::FaultTarget::kAll, 300'000});
   const auto started =
-      session->start_program(program_through(zigzag(20'000, -3)), {ProgramPace::kFast});
+      session->programs().start(program_through(zigzag(20'000, -3)), {ProgramPace::kFast});
   ASSERT_TRUE(started);
   while (!session->pause()) {
     if (!executor->run_one()) executor->run_delayed();
   }
   for (int n = 0; n < 100; ++n) executor->run_delayed();
-  const ProgramStatus paused = *session->program(started->id);
+  const ProgramStatus paused = *session->programs().status(started->id);
   EXPECT_EQ(paused.state, ProgramState::kRunning);
   EXPECT_TRUE(paused.waiting);
   EXPECT_LT(paused.motions_done, paused.motions);
   disk.heal();
   ASSERT_TRUE(session->flush());
-  while (session->program(started->id)->state == ProgramState::kRunning) {
+  while (session->programs().status(started->id)->state == ProgramState::kRunning) {
     if (!executor->run_one()) executor->run_delayed();
   }
-  EXPECT_EQ(session->program(started->id)->state, ProgramState::kFinished);
+  EXPECT_EQ(session->programs().status(started->id)->state, ProgramState::kFinished);
   EXPECT_TRUE(move(*session, agent, 0, 0, -1).rejections.empty());
   expect_replay_of(*session);
 }
@@ -191,11 +191,11 @@ TEST_F(ProgramJournal, CancelledProgramKeepsItsTravelledPath) {
   const auto session = start();
   std::vector<Vec3> points;
   for (int n = 0; n <= 100'000; ++n) points.push_back({-30 + n * 0.0001, 0, 20});
-  const auto started = session->start_program(program_through(points), {ProgramPace::kFast});
-  while (session->program(started->id)->motions_done < 10) executor->run_one();
-  const auto done = session->program(started->id)->motions_done;
+  const auto started = session->programs().start(program_through(points), {ProgramPace::kFast});
+  while (session->programs().status(started->id)->motions_done < 10) executor->run_one();
+  const auto done = session->programs().status(started->id)->motions_done;
   ASSERT_LT(done, 100'000U);
-  EXPECT_TRUE(session->cancel_program(started->id));
+  EXPECT_TRUE(session->programs().cancel(started->id));
   ASSERT_TRUE(session->flush());
   auto reader = JournalReader::open(session->journal_file());
   Vec3 last{};
@@ -222,8 +222,8 @@ TEST_F(SessionTest, RecordsHaveStrokeAndTime) {
   move(*session, bob, 5.2, 5, -1);    // record 6
   move(*session, ada, 0.3, 0, -0.5);  // record 7, touches down
   move(*session, ada, 0.4, 0, -0.5);  // record 8
-  ASSERT_TRUE(session->choose_tool(ada, 2));
-  ASSERT_TRUE(session->choose_tool(ada, 1));
+  ASSERT_TRUE(session->people().choose_tool(ada, 2));
+  ASSERT_TRUE(session->people().choose_tool(ada, 1));
   move(*session, ada, 0.5, 0, -0.5);  // record 9
   ASSERT_TRUE(session->flush());
   auto reader = JournalReader::open(session->journal_file());

@@ -185,7 +185,8 @@ class RandomExport : public SessionExport {
 
   void restart_server() {
     // Otherwise they would continue and write to the next server's journal.
-    for (const ProgramStatus& program : session_->programs()) session_->cancel_program(program.id);
+    for (const ProgramStatus& program : session_->programs().list())
+      session_->programs().cancel(program.id);
     settle();
     reload();
     for (Hand& hand : hands_) {
@@ -227,10 +228,10 @@ class RandomExport : public SessionExport {
       program.motions.back().from = admit_pose(at);
       at = program.motions.back().to;
     }
-    const auto started = session_->start_program(std::move(program), {ProgramPace::kFast});
+    const auto started = session_->programs().start(std::move(program), {ProgramPace::kFast});
     ASSERT_TRUE(started) << started.error().reason;
     for (int n = 0; n < 40; ++n) move_some();
-    if (one_of(4) == 0) session_->cancel_program(started->id);
+    if (one_of(4) == 0) session_->programs().cancel(started->id);
   }
 
   std::size_t one_of(std::size_t count) { return random_() % count; }

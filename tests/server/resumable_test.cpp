@@ -75,7 +75,7 @@ TEST_F(ResumableTest, TokensSurviveOtherJoinsAndARestart) {
 
 TEST_F(ResumableTest, MutesSurviveOtherJoins) {
   const auto ada = admit("", "Ada");
-  ASSERT_TRUE(session->set_muted(ada->participant.id, true));
+  ASSERT_TRUE(session->people().set_muted(ada->participant.id, true));
   session->leave(ada->participant.id);
   crowd();
   const auto again = admit(ada->token);
@@ -85,7 +85,7 @@ TEST_F(ResumableTest, MutesSurviveOtherJoins) {
 
 TEST_F(ResumableTest, RemovedAgentStaysRemoved) {
   const auto ada = admit("", "Ada");
-  ASSERT_TRUE(session->remove(ada->participant.id, "too loud"));
+  ASSERT_TRUE(session->people().remove(ada->participant.id, "too loud"));
   session->leave(ada->participant.id);
   crowd();
   ASSERT_TRUE(session->flush());

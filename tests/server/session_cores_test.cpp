@@ -269,7 +269,7 @@ TEST_F(SessionOnTwoCores, RejectTheMotionsOfAMutedAgentOnly) {
   const std::array second = {next(20, 0, -2), next(21, 0, -2)};
   ASSERT_FALSE(session->begin_move(agents[0], first));
   ASSERT_FALSE(session->begin_move(agents[1], second));
-  ASSERT_TRUE(session->set_muted(agents[0], true));
+  ASSERT_TRUE(session->people().set_muted(agents[0], true));
   const MotionAnswer muted = finish(0);
   ASSERT_FALSE(muted.rejections.empty());
   EXPECT_EQ(muted.rejections.back().code, wire::ErrorCode::kMuted);

@@ -50,17 +50,17 @@ TEST_F(SessionRightsTest, AMutedParticipantCutsNothingUntilUnmuted) {
   cut_to(id, 0, 0, -1);
   EXPECT_EQ(cut_to(id, 1, 0, -1), std::nullopt);
   const auto records = session->sequence();
-  ASSERT_TRUE(session->set_muted(id, true));
+  ASSERT_TRUE(session->people().set_muted(id, true));
   EXPECT_EQ(cut_to(id, 2, 0, -1), ErrorCode::kMuted);
   EXPECT_EQ(cut_to(id, 6, 0, -1), ErrorCode::kMuted);
   EXPECT_EQ(session->sequence(), records);
   EXPECT_TRUE(session->roster().listed.front().is_muted);
-  ASSERT_TRUE(session->set_muted(id, false));
+  ASSERT_TRUE(session->people().set_muted(id, false));
   const double before = session->info().removed_mm3;
   EXPECT_EQ(cut_to(id, 6.01, 0, -1), std::nullopt);
   // The motion begins at the muted tool's pose: its earlier path is not cut.
   EXPECT_LT(session->info().removed_mm3 - before, 17);
-  EXPECT_FALSE(session->set_muted(99, true));
+  EXPECT_FALSE(session->people().set_muted(99, true));
 }
 
 TEST_F(SessionRightsTest, MuteAppliesToThePersonAndAfterResuming) {
@@ -68,10 +68,10 @@ TEST_F(SessionRightsTest, MuteAppliesToThePersonAndAfterResuming) {
   request.durable = true;
   const auto admission = test::value_of(session->admit(request));
   const auto one = join_as(Role::kSculptor, "pass"), other = join_as(Role::kSculptor, "pass");
-  ASSERT_TRUE(session->set_muted(one->id, true));
-  EXPECT_TRUE(session->participant(other->id)->is_muted);
-  EXPECT_FALSE(session->participant(admission.participant.id)->is_muted);
-  ASSERT_TRUE(session->set_muted(admission.participant.id, true));
+  ASSERT_TRUE(session->people().set_muted(one->id, true));
+  EXPECT_TRUE(session->people().participant(other->id)->is_muted);
+  EXPECT_FALSE(session->people().participant(admission.participant.id)->is_muted);
+  ASSERT_TRUE(session->people().set_muted(admission.participant.id, true));
   session->leave(admission.participant.id);
   request.token = admission.token;
   const auto again = session->admit(request);
@@ -85,13 +85,13 @@ TEST_F(SessionRightsTest, ARemovedAgentCannotResume) {
   const auto admission = test::value_of(session->admit(request));
   SessionEvent seen;
   session->listen([&](const SessionEvent& event) { seen = event; });
-  ASSERT_TRUE(session->remove(admission.participant.id, "too loud"));
+  ASSERT_TRUE(session->people().remove(admission.participant.id, "too loud"));
   EXPECT_EQ(seen.removed, admission.participant.id);
   EXPECT_EQ(seen.closing, "too loud");
   session->leave(admission.participant.id);
   request.token = admission.token;
   EXPECT_FALSE(test::value_of(session->admit(request)).resumed);
-  EXPECT_FALSE(session->remove(99, ""));
+  EXPECT_FALSE(session->people().remove(99, ""));
 }
 
 TEST_F(SessionRightsTest, ARemovedAgentCannotResumeAfterARestart) {
@@ -101,7 +101,7 @@ TEST_F(SessionRightsTest, ARemovedAgentCannotResumeAfterARestart) {
   ada.token = session->admit(ada)->token;
   const auto admitted = session->admit(grace);
   grace.token = admitted->token;
-  ASSERT_TRUE(session->remove(admitted->participant.id, "too loud"));
+  ASSERT_TRUE(session->people().remove(admitted->participant.id, "too loud"));
   ASSERT_TRUE(session->flush());
   session.reset();
   restart();
@@ -144,11 +144,11 @@ TEST_F(SessionRightsTest, AConnectionOpenedBeforeADecisionJoinsAsDecided) {
   EXPECT_EQ(join_as(Role::kSculptor, "ended").error().code, ErrorCode::kNotAllowed);
   EXPECT_EQ(join_as(Role::kSculptor, "ended", ParticipantKind::kViewer).error().code,
             ErrorCode::kNotAllowed);
-  session->set_role_of("lowered", Role::kWatcher);
+  session->people().set_role_of("lowered", Role::kWatcher);
   EXPECT_EQ(join_as(Role::kSculptor, "lowered").error().code, ErrorCode::kNotAllowed);
-  session->set_muted_of("muted", true);
+  session->people().set_muted_of("muted", true);
   EXPECT_TRUE(join_as(Role::kSculptor, "muted")->is_muted);
-  session->set_muted_of("muted", false);
+  session->people().set_muted_of("muted", false);
   EXPECT_FALSE(join_as(Role::kSculptor, "muted")->is_muted);
   EXPECT_TRUE(join_as(Role::kSculptor, "other"));
 }
@@ -160,23 +160,23 @@ TEST_F(SessionRightsTest, ProgramsEndWithTheGrantOfTheirAuthor) {
   }
   Caller ada{.role = Role::kSculptor};
   ada.grant = "ada";
-  const auto started = session->start_program(program, {ProgramPace::kFeed}, ada);
+  const auto started = session->programs().start(program, {ProgramPace::kFeed}, ada);
   ada.grant = "ben";
-  const auto other = session->start_program(program, {ProgramPace::kFeed}, ada);
+  const auto other = session->programs().start(program, {ProgramPace::kFeed}, ada);
   ASSERT_TRUE(started && other);
   session->remove_holders(std::vector<std::string>{"ada"}, "the invitation was revoked");
-  EXPECT_EQ(session->program(started->id)->state, ProgramState::kCancelled);
-  EXPECT_EQ(session->program(other->id)->state, ProgramState::kRunning);
+  EXPECT_EQ(session->programs().status(started->id)->state, ProgramState::kCancelled);
+  EXPECT_EQ(session->programs().status(other->id)->state, ProgramState::kRunning);
 }
 
 TEST_F(SessionRightsTest, DemotedSculptorStopsCutting) {
   const ParticipantId id = join_as(Role::kSculptor, "pass")->id;
   cut_to(id, 0, 0, -1);
-  session->set_role_of("pass", Role::kWatcher);
+  session->people().set_role_of("pass", Role::kWatcher);
   EXPECT_EQ(cut_to(id, 1, 0, -1), ErrorCode::kNotAllowed);
-  session->set_role_of("pass", Role::kOwner);
+  session->people().set_role_of("pass", Role::kOwner);
   EXPECT_EQ(cut_to(id, 2, 0, -1), std::nullopt);
-  EXPECT_EQ(session->participant(id)->role, Role::kOwner);
+  EXPECT_EQ(session->people().participant(id)->role, Role::kOwner);
 }
 
 TEST_F(SessionRightsTest, GuestsAreLimitedInNumberAndSpeed) {

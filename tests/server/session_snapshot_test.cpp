@@ -90,7 +90,7 @@ class Crowd {
   }
   void step() {
     Agent& agent = agents_[random_() % agents_.size()];
-    if (random_() % 60 == 0) (void)session_.start_program(program(), {ProgramPace::kFast});
+    if (random_() % 60 == 0) (void)session_.programs().start(program(), {ProgramPace::kFast});
     std::vector<wire::MotionSample> batch(1 + random_() % 16);
     for (wire::MotionSample& sample : batch) {
       agent.at = agent.at + (place() - agent.at) * 0.02;

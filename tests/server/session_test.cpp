@@ -248,17 +248,18 @@ TEST_F(SessionTest, AgentsAreServedBetweenProgramSlices) {
   std::string text = "G21 G90 T2 M6\n";
   for (int i = 0; i < 3000; ++i) text += "G1 X" + std::to_string(i % 30) + " Y0 Z-1 F1000\n";
   const auto program = test::value_of(parse_program("long.ngc", text + "M2\n", session->scene()));
-  const auto run = test::value_of(session->start_program(program, {ProgramPace::kFast}));
+  const auto run = test::value_of(session->programs().start(program, {ProgramPace::kFast}));
   executor->run_one();
-  EXPECT_EQ(session->program(run.id)->state, ProgramState::kRunning);
+  EXPECT_EQ(session->programs().status(run.id)->state, ProgramState::kRunning);
   EXPECT_LE(executor->waiting(), 2U);  // the next slice runs after work that agents post now
   move(*session, id, 0, 0, -1);
   EXPECT_GT(move(*session, id, 0, 1, -1).result.motions_applied, 0U);
   executor->run_one();
   EXPECT_EQ(executor->waiting(), 0U);  // an agent is moving: the next slice waits for a pause
   EXPECT_GE(executor->last_delay.count(), 200);
-  while (session->program(run.id)->state == ProgramState::kRunning) executor->run_delayed();
-  EXPECT_EQ(session->program(run.id)->state, ProgramState::kFinished);
+  while (session->programs().status(run.id)->state == ProgramState::kRunning)
+    executor->run_delayed();
+  EXPECT_EQ(session->programs().status(run.id)->state, ProgramState::kFinished);
   EXPECT_EQ(session->participants().size(), 1U);
 }
 
@@ -268,7 +269,7 @@ TEST_F(SessionTest, ProgramWithUnknownToolCutsNothing) {
   program.motions.resize(1);
   program.motions[0].tool = 9;
   program.motions[0].line = 4;
-  const auto error = test::error_of(session->start_program(program, {ProgramPace::kFast}));
+  const auto error = test::error_of(session->programs().start(program, {ProgramPace::kFast}));
   EXPECT_EQ(error.code, wire::ErrorCode::kUnknownTool);
   EXPECT_NE(error.reason.find("x.ngc:4"), std::string::npos);
 }

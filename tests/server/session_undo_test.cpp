@@ -304,7 +304,7 @@ TEST_F(SessionUndo, InvalidOrForbiddenRequestsChangeNothing) {
   EXPECT_EQ(code({.undone = true, .strokes = {a, 9999}}), kBadMessage);
   EXPECT_EQ(code({.undone = false, .strokes = {a}}), kBadMessage);
   EXPECT_EQ(code({.undone = true, .participant = 77}), kBadMessage);
-  session_->set_role_of("", Role::kSculptor);
+  session_->people().set_role_of("", Role::kSculptor);
   StrokeRequest others{.undone = true, .strokes = {b}, .author = ada};
   // On a server without rights everybody is an administrator, who may do so.
   EXPECT_EQ(code(others), std::nullopt);
