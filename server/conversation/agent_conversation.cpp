@@ -84,7 +84,7 @@ void AgentConversation::on_hello(const HelloMessage& hello) {
 }
 
 void AgentConversation::on_control(const ControlMessage& message) {
-  if (std::holds_alternative<StockMessage>(message)) return session().reset_stock(self_->id);
+  if (std::holds_alternative<StockMessage>(message)) return session().replicas().reset(self_->id);
   if (const auto* change = std::get_if<ChangeMessage>(&message)) {
     return change_stroke(change->undone);
   }
@@ -136,7 +136,7 @@ void AgentConversation::on_message(const wire::Message& message, Clock::time_poi
   }
   if (std::holds_alternative<wire::Ack>(message.body)) {
     if (!self_) return reject_without_hello();
-    const auto taken = session().ack_stock(self_->id, message.header.stamp.sequence);
+    const auto taken = session().replicas().ack(self_->id, message.header.stamp.sequence);
     if (!taken) reject(taken.error());
     stock_due_ = true;  // as many frames as allowed may have been in flight
     return;
@@ -203,7 +203,7 @@ void AgentConversation::refresh() {
   const auto now = now_();
   if (now < next_stock_) return;
   next_stock_ = now + kStockInterval;
-  const auto update = session().stock_update(self_->id);
+  const auto update = session().replicas().update(self_->id);
   stock_due_ = update.has_value();  // one frame may not hold all of it
   if (update) out_.put_stock(stamp(update->sequence), update->patch());
 }

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "server/session/session.h"
+
 #include <algorithm>
 #include <utility>
 
 #include "kernel/cut/workers.h"
-#include "server/session/session.h"
 
 namespace kerf {
 namespace {
-
-/// State hashes are computed at least kHashInterval apart, and at least kHashCostFactor times the
-/// duration of the previous computation.
-constexpr std::chrono::microseconds kHashInterval{500'000};
-constexpr int kHashCostFactor = 20;
 
 Rejection session_closed() { return {wire::ErrorCode::kUnknownSession, "the session is closed"}; }
 
@@ -35,7 +31,7 @@ Session::Session(std::string id, Replayed replayed, SessionJournal journal, Sess
                       SessionOwner([this] { return weak_from_this(); }),
                       [this] {
                         show_figures();
-                        schedule_hash();
+                        hashes_.schedule();
                       }),
       snapshots_({id_, *executor_, sculpture_, journal_, carving_},
                  {{}, replayed.snapshot_sequence, replayed.replay_time, Clock::now()},
@@ -46,7 +42,10 @@ Session::Session(std::string id, Replayed replayed, SessionJournal journal, Sess
                 {[this](const JoinRequest& request) { return join(request); },
                  [this](ParticipantId ended) { leave(ended); },
                  [this](bool removed) { end_turn(removed); }}),
-      workers_(workers),
+      hashes_({*executor_, sculpture_, journal_}, workers,
+              SessionOwner([this] { return weak_from_this(); }),
+              [this] { return is_between_records(); }),
+      replicas_(sculpture_, participants_),
       matters_(matters, journal_),
       parent_(std::move(replayed.parent)) {
   matters_.restore(replayed.lists);
@@ -55,11 +54,6 @@ Session::Session(std::string id, Replayed replayed, SessionJournal journal, Sess
 }
 
 Session::~Session() = default;
-
-void Session::note_times(std::int64_t created_ms, std::int64_t active_ms) {
-  created_ms_ = created_ms;
-  active_ms_ = active_ms;
-}
 
 void Session::keep_snapshots(SnapshotOptions options) {
   if (options.writer != nullptr) {
@@ -70,15 +64,7 @@ void Session::keep_snapshots(SnapshotOptions options) {
 }
 
 void Session::show_figures() {
-  const auto relaxed = std::memory_order_relaxed;
-  if (shown_motions_.load(relaxed) != sculpture_.motions() ||
-      shown_removed_mm3_.load(relaxed) != sculpture_.removed_volume_mm3() ||  // changed by an undo
-      shown_participants_.load(relaxed) != participants_.count()) {
-    active_ms_.store(Clock::wall_ms(), relaxed);
-  }
-  shown_motions_.store(sculpture_.motions(), relaxed);
-  shown_removed_mm3_.store(sculpture_.removed_volume_mm3(), relaxed);
-  shown_participants_.store(participants_.count(), relaxed);
+  figures_.show(sculpture_.motions(), sculpture_.removed_volume_mm3(), participants_.count());
 }
 
 void Session::leave(ParticipantId id) {
@@ -174,7 +160,7 @@ std::optional<MotionAnswer> Session::go_on(ParticipantId id) {
 
 /// Ends a turn in which something may have been carved.
 void Session::end_turn(bool removed) {
-  if (removed) schedule_hash();
+  if (removed) hashes_.schedule();
   show_figures();
   snapshots_.write_if_due();
   past_.read_ahead();
@@ -190,8 +176,13 @@ void Session::remove_holders(std::span<const std::string> grants, const std::str
 }
 
 void Session::finish_left() {
-  if (closed_ || !carving_.finish_left()) return schedule_hash();
+  if (closed_ || !carving_.finish_left()) return hashes_.schedule();
   executor_->post([self = shared_from_this()] { self->finish_left(); });
+}
+
+wire::Intents Session::intents(ParticipantId id) {
+  const ParticipantState* state = participants_.find(id);
+  return state == nullptr || closed_ ? wire::Intents{} : participants_.near(*state);
 }
 
 SessionFrame Session::frame(bool with_snapshot) {
@@ -227,40 +218,14 @@ SessionInfo Session::info() const {
   return info;
 }
 
-void Session::schedule_hash() {
-  if (hash_scheduled_) return;
-  hash_scheduled_ = true;
-  const auto delay = std::max(kHashInterval, kHashCostFactor * hash_cost_);
-  executor_->post_after(delay, [weak = weak_from_this()] {
-    if (const auto self = weak.lock()) self->compute_hash();
-  });
-}
-
-void Session::compute_hash() {
-  hash_scheduled_ = false;
-  if (closed_ || current_hash()) return;
-  if (is_between_records()) return schedule_hash();
-  workers_.post([self = shared_from_this(), solid = sculpture_.solid(), at = sequence()] {
-    const auto start = Clock::now();
-    const std::uint64_t hash = solid.hash();
-    const auto cost = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start);
-    self->executor_->post([self, at, hash, cost] {
-      self->hash_cost_ = cost;
-      self->note_hash({at, hash});
-    });
-  });
-}
-
-void Session::note_hash(StateHash state) {
-  if (!closed_) journal_.note_hash(state);
-}
-
 void Session::close(const std::string& reason, const std::string& redirect) {
   if (closed_) return;
   programs_.close();
   closed_ = true;
   past_.close();
   stroke_changes_.close();
+  hashes_.close();
+  replicas_.close();
   matters_.close();
   snapshots_.close();
   participants_.notify(

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <expected>
@@ -19,6 +18,7 @@
 #include "server/rights/caller.h"
 #include "server/session/carving.h"
 #include "server/session/disk_limits.h"
+#include "server/session/hash_keeper.h"
 #include "server/session/live_state.h"
 #include "server/session/participants.h"
 #include "server/session/replay.h"
@@ -29,8 +29,10 @@
 #include "server/session/session_past.h"
 #include "server/session/session_places.h"
 #include "server/session/session_programs.h"
+#include "server/session/shown_figures.h"
 #include "server/session/snapshot_keeper.h"
 #include "server/session/snapshot_schedule.h"
+#include "server/session/stock_replicas.h"
 #include "server/session/stroke_changes.h"
 #include "server/threads/executor.h"
 
@@ -93,9 +95,7 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Size of the journal, its side files and the snapshots, bytes.
   std::uintmax_t disk_bytes() const { return session_bytes(journal_.file()); }
   /// Does not block, even while the executor is busy.
-  SessionFigures figures() const {
-    return {shown_motions_, shown_removed_mm3_, shown_participants_, created_ms_, active_ms_};
-  }
+  SessionFigures figures() const { return figures_.get(); }
   /// Motions applied since the server started.
   std::uint64_t motions_applied() const { return carving_.motions_applied(); }
   /// CPU time of the session's thread by participant, s.
@@ -106,7 +106,9 @@ class Session : public std::enable_shared_from_this<Session> {
   /// share. Call from one thread at a time.
   void keep_disk_limits(const DiskLimits& limits, const DiskUse& use, DiskLevel shared);
   /// Sets the times of figures(), as read from the journal. Call once, before the session is used.
-  void note_times(std::int64_t created_ms, std::int64_t active_ms);
+  void note_times(std::int64_t created_ms, std::int64_t active_ms) {
+    figures_.set_times(created_ms, active_ms);
+  }
   /// Carves motions of several participants in parallel from now on, on `carvers`, which must
   /// outlive the session. Call once, when the session has been created.
   void carve_on(Workers& carvers) { carvers_ = &carvers; }
@@ -158,19 +160,11 @@ class Session : public std::enable_shared_from_this<Session> {
     return carving_.is_between_records() || stroke_changes_.are_pending();
   }
 
-  /// Returns the update that the participant's replica of the block lacks; nullopt if it is
-  /// complete or the participant keeps none.
-  std::optional<StockUpdate> stock_update(ParticipantId id);
-  /// The participant has applied all patches up to `sequence`. Fails for a patch that was not sent,
-  /// and for participants without a replica.
-  std::expected<void, Rejection> ack_stock(ParticipantId id, std::uint64_t sequence);
   /// Returns the poses of other agents' tools near the participant's; empty unless it has requested
   /// them.
   wire::Intents intents(ParticipantId id);
-  /// The participant's replica is invalid: the next patch starts a new one. No effect for
-  /// participants without a replica.
-  void reset_stock(ParticipantId id);
-
+  /// The replicas of the block that agents keep.
+  StockReplicas& replicas() { return replicas_; }
   /// The programs, each of which carves as a participant.
   SessionPrograms& programs() { return programs_; }
   /// The lists that people keep with the block.
@@ -186,9 +180,8 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t sequence() const { return journal_.sequence(); }
   /// The hash of the solid at sequence(), if known.
   std::optional<StateHash> current_hash() const { return journal_.current_hash(); }
-  /// Stores and journals the hash of the solid after record `state.sequence`, computed while
-  /// is_between_records() was false.
-  void note_hash(StateHash state);
+  /// Stores and journals a hash that was computed while is_between_records() was false.
+  void note_hash(StateHash state) { hashes_.note(state); }
 
   // For a followed session, which another server runs:
   /// Applies the next records of the journal's file for some milliseconds and returns how many.
@@ -213,13 +206,10 @@ class Session : public std::enable_shared_from_this<Session> {
   bool is_followed() const { return journal_.is_followed(); }
 
  private:
-  ParticipantState* replica_owner(ParticipantId id);
   void end_turn(bool removed);
   void forget_batch(ParticipantId id);
   void finish_left();
   MotionAnswer rejected_move() const;
-  void schedule_hash();
-  void compute_hash();
   void report_changes();
   void show_figures();
   void show_live(SessionFrame& frame, bool all);
@@ -236,11 +226,11 @@ class Session : public std::enable_shared_from_this<Session> {
   StrokeChanges stroke_changes_;
   SnapshotKeeper snapshots_;
   SessionPrograms programs_;
-  Executor& workers_;
+  HashKeeper hashes_;
+  StockReplicas replicas_;
+  ShownFigures figures_;
   const SessionPlaces* places_ = nullptr;  ///< null if there is only one server
   Workers* carvers_ = nullptr;             ///< null: the session's thread carves alone
-  bool hash_scheduled_ = false;
-  std::chrono::microseconds hash_cost_{0};
   bool closed_ = false;
   DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next: keep_disk_limits()
   std::optional<JournalErrorCode> reached_;      ///< the disk limit that has been reached
@@ -250,10 +240,6 @@ class Session : public std::enable_shared_from_this<Session> {
   std::optional<LiveState> live_;  ///< followed session: the newest statement of its owner
   std::string live_programs_sent_;
   std::size_t viewers_elsewhere_ = 0;
-  std::atomic<std::uint64_t> shown_motions_ = 0;
-  std::atomic<double> shown_removed_mm3_ = 0;
-  std::atomic<std::size_t> shown_participants_ = 0;
-  std::atomic<std::int64_t> created_ms_ = 0, active_ms_ = 0;
 };
 
 }  // namespace kerf

@@ -15,12 +15,12 @@ TEST_F(UndoReplica, ReplicasRestartWhereStockReturned) {
   move(ada, {5, 0, 5}, false);
   move(ada, {5, 0, 1}, false);
   for (const ParticipantId id : {ada, bo}) {
-    while (const auto patch = session_->stock_update(id)) {
-      ASSERT_TRUE(session_->ack_stock(id, patch->sequence));
+    while (const auto patch = session_->replicas().update(id)) {
+      ASSERT_TRUE(session_->replicas().ack(id, patch->sequence));
     }
   }
   undo({a});
-  const auto update = session_->stock_update(ada);
+  const auto update = session_->replicas().update(ada);
   ASSERT_TRUE(update);
   EXPECT_TRUE(update->reset);
 }
@@ -35,14 +35,14 @@ TEST_F(UndoReplica, ReplicasLearnThatTheMotionOutOfStockIsUncut) {
   for (int n = 0; n < 10; ++n) move(ada, {-10.0 + n, 0, -1});
   undo({first});
   ASSERT_EQ(move(ada, {0, 0, -1}).rejections.size(), 1U);
-  while (const auto update = session_->stock_update(ada)) {
-    ASSERT_TRUE(session_->ack_stock(ada, update->sequence));
+  while (const auto update = session_->replicas().update(ada)) {
+    ASSERT_TRUE(session_->replicas().ack(ada, update->sequence));
   }
   const std::uint64_t records = session_->sequence();
   time_ms_ += 20;
   EXPECT_TRUE(move(ada, {10, 0, -1}).rejections.empty());  // into Bo's groove
   EXPECT_EQ(session_->sequence(), records);
-  const auto update = session_->stock_update(ada);
+  const auto update = session_->replicas().update(ada);
   ASSERT_TRUE(update);
   EXPECT_TRUE(update->reset);
 }

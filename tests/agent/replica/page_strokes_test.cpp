@@ -105,7 +105,7 @@ class PageStrokes : public SessionUndo, public testing::WithParamInterface<const
     send_patch();
   }
   bool send_patch() {
-    const auto update = session_->stock_update(ada_);
+    const auto update = session_->replicas().update(ada_);
     if (!update) return false;
     received_.push_back({{}, update->sequence, time_ms_ + delay_});
     wire::append(received_.back().frame, {}, update->patch());
@@ -120,7 +120,7 @@ class PageStrokes : public SessionUndo, public testing::WithParamInterface<const
         continue;
       }
       EXPECT_TRUE(page_->take(now.frame));
-      EXPECT_TRUE(session_->ack_stock(ada_, now.sequence));
+      EXPECT_TRUE(session_->replicas().ack(ada_, now.sequence));
     }
   }
   void arrive_all() {

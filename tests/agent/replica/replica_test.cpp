@@ -86,9 +86,9 @@ class ReplicaTest : public SessionTest, public testing::WithParamInterface<const
   }
   /// Delivers a patch to the replica and its acknowledgement to the session.
   bool deliver_update() {
-    const auto update = session_->stock_update(self_);
+    const auto update = session_->replicas().update(self_);
     if (!update) return false;
-    EXPECT_TRUE(session_->ack_stock(self_, update->sequence));
+    EXPECT_TRUE(session_->replicas().ack(self_, update->sequence));
     EXPECT_TRUE(replica_->take(update->patch()));
     return true;
   }
@@ -233,7 +233,7 @@ TEST_P(ReplicaTest, KeepsItsOwnCutsAfterAReset) {
   for (int n = 0; n < 200; ++n) send(winding(n));
   other(winding(400));
   other(winding(405));
-  session_->reset_stock(self_);
+  session_->replicas().reset(self_);
   for (int n = 200; n < 300; ++n) send(winding(n));
   arrive_all();
   EXPECT_LT(replica_->agreement().error(), 0.05);
@@ -267,7 +267,7 @@ TEST_P(ReplicaTest, TilesKnownBeforeAResetAreSentAgain) {
   for (int n = 0; n < 20; ++n) send({-20, -20, -1}, {0, 0, 1}, 1, 0);
   ASSERT_TRUE(send({-20, -20, -1}, {0, 0, 1}, 1, 0));
   for (int n = 0; n < 20; ++n) send({24, 24, -1}, {0, 0, 1}, 1, 0);
-  session_->reset_stock(self_);
+  session_->replicas().reset(self_);
   send({24, 24, -1}, {0, 0, 1}, 1, 0);
   EXPECT_TRUE(send({24, 24, -1}, {0, 0, 1}, 1, 0));
   delay = 5;
@@ -301,11 +301,11 @@ TEST_P(ReplicaTest, RendersContactOfTheShank) {
 
 TEST_P(ReplicaTest, AcknowledgementsOfUnsentPatchesAreRejected) {
   begin(GetParam());
-  EXPECT_EQ(session_->ack_stock(other_, 1).error().code, wire::ErrorCode::kBadMessage);
-  EXPECT_EQ(session_->ack_stock(self_, 1).error().code, wire::ErrorCode::kBadSequence);
-  EXPECT_FALSE(session_->stock_update(other_)) << "no updates without a replica";
+  EXPECT_EQ(session_->replicas().ack(other_, 1).error().code, wire::ErrorCode::kBadMessage);
+  EXPECT_EQ(session_->replicas().ack(self_, 1).error().code, wire::ErrorCode::kBadSequence);
+  EXPECT_FALSE(session_->replicas().update(other_)) << "no updates without a replica";
   send({0, 0, 2});
-  EXPECT_TRUE(session_->ack_stock(self_, 1));
+  EXPECT_TRUE(session_->replicas().ack(self_, 1));
 }
 
 INSTANTIATE_TEST_SUITE_P(Rays, ReplicaTest, testing::Values("dexel", "tri-dexel"));

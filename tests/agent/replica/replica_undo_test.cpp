@@ -71,7 +71,7 @@ class ReplicaUndo : public SessionUndo, public testing::WithParamInterface<const
     if (looks_ahead_) replica_->take(session_->intents(ada_));
   }
   bool send_patch() {
-    auto update = session_->stock_update(ada_);
+    auto update = session_->replicas().update(ada_);
     if (!update) return false;
     resets_ += update->reset ? 1 : 0;
     returned_ += update->returned ? 1 : 0;
@@ -81,7 +81,7 @@ class ReplicaUndo : public SessionUndo, public testing::WithParamInterface<const
   void take_patches(std::uint64_t until_ms) {
     while (!patches_.empty() && patches_.front().arrives_ms <= until_ms) {
       EXPECT_TRUE(replica_->take(patches_.front().update.patch()));
-      EXPECT_TRUE(session_->ack_stock(ada_, patches_.front().update.sequence));
+      EXPECT_TRUE(session_->replicas().ack(ada_, patches_.front().update.sequence));
       patches_.pop_front();
     }
   }
