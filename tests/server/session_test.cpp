@@ -288,7 +288,7 @@ TEST_F(SessionTest, ExportedProgramCarvesTheSameSolid) {
     const auto program = test::value_of(parse_program(
         format == ProgramFormat::kApt ? "x.apt" : "x.ngc", text.str(), session->scene()));
     const auto other = test::value_of(registry->create("", kScene, SceneSource{}));
-    ASSERT_TRUE(other->start_program(program, {ProgramPace::kFast}));
+    ASSERT_TRUE(other->programs().start(program, {ProgramPace::kFast}));
     executor->run();
     EXPECT_EQ(other->solid().hash(), session->solid().hash());
   }
