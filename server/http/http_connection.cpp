@@ -16,13 +16,11 @@
 #include <stop_token>
 #include <string>
 
-#include "server/http/api.h"
 #include "server/http/beast_head.h"
 #include "server/http/proxies.h"
 #include "server/http/request_head.h"
 #include "server/http/response_head.h"
 #include "server/http/responses.h"
-#include "server/http/session_lookup.h"
 #include "server/metrics/metrics.h"
 #include "server/platform/clock.h"
 #include "server/socket/serve_peer.h"

@@ -8,6 +8,7 @@
 #include "server/http/cookie.h"
 #include "server/http/number.h"
 #include "server/http/responses.h"
+#include "server/rights/access.h"
 #include "server/session/session.h"
 #include "server/threads/run_and_wait.h"
 

@@ -8,6 +8,7 @@
 #include "server/http/api_services.h"
 #include "server/http/number.h"
 #include "server/http/responses.h"
+#include "server/rights/access.h"
 #include "server/session/session.h"
 #include "server/store/journal_people.h"
 #include "server/threads/run_and_wait.h"

@@ -9,6 +9,7 @@
 #include "server/http/responses.h"
 #include "server/http/session_lookup.h"
 #include "server/people/participant_handlers.h"
+#include "server/rights/access.h"
 #include "server/session/session.h"
 
 namespace kerf::net {

@@ -15,6 +15,7 @@
 #include "server/http/place.h"
 #include "server/http/responses.h"
 #include "server/http/routes.h"
+#include "server/session/session.h"
 #include "server/threads/run_and_wait.h"
 
 namespace kerf::net {
