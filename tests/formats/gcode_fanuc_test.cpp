@@ -219,8 +219,9 @@ TEST(MacroPrograms, CompensationMayBeRepeatedOnItsSide) {
   const auto read = [&](const std::string& rest) {
     return parse_program("p.nc", start + rest, scene, as(Dialect::kFanuc));
   };
-  const auto repeated = test::value_of(read("G41 X9\nX20\nM30\n"), once = read("X9\nX20\nM30\n"));
-  EXPECT_TRUE(repeated.motions == once->motions);
+  const auto repeated = test::value_of(read("G41 X9\nX20\nM30\n"));
+  const auto once = test::value_of(read("X9\nX20\nM30\n"));
+  EXPECT_TRUE(repeated.motions == once.motions);
   EXPECT_NE(repeated.motions.back().to.tip_mm.y, 0) << "beside the path";
 }
 
