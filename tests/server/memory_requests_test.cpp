@@ -92,7 +92,7 @@ TEST_F(RequestWithoutMemory, ExportsAreCompleteOrFail) {
     std::optional<std::string> written;
     fail_each([&] { written.reset(); }, [&] { written = text(); },
               [&] {
-                if (written) EXPECT_EQ(*written, *complete);
+                EXPECT_EQ(written.value_or(*complete), *complete);
                 EXPECT_EQ(text(), complete);
                 expect_same_session();
               });
@@ -108,7 +108,7 @@ TEST_F(RequestWithoutMemory, SolidsOfThePastAreRightOrFail) {
     found = session_->past().solid_at(middle_, alone).value().value().hash();
   };
   const auto check = [&] {
-    if (found) EXPECT_EQ(*found, right);
+    EXPECT_EQ(found.value_or(right), right);
     look();
     EXPECT_EQ(*found, right);
     expect_same_session();
