@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <new>
 #include <utility>
 
 #include "kernel/sculpture_state.h"
@@ -89,8 +90,12 @@ void SessionPast::read_ahead() {
   reads_ahead_ = true;
   read_ = journal_.sequence();
   background_->post([this, session = owner_.hold()] {
-    const Turn turn(*this, turns_.try_now());
-    if (turn) (void)read({});  // An undo reports the error later.
+    try {
+      const Turn turn(*this, turns_.try_now());
+      if (turn) (void)read({});  // An undo reports the error later.
+    } catch (const std::bad_alloc&) {
+      // The next undo reads the journal.
+    }
     executor_.post([this, session] { reads_ahead_ = false; });
   });
 }
