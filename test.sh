@@ -19,7 +19,7 @@ usage: ./test.sh [--preset release|dev|asan|tsan] [--filter REGEX] [--jobs N] [-
   --jobs N        tests at a time (default: the number of cores); those that load the machine, and e2e tests, run alone
   --long          also the slow tests (ctest -L long): more scripts in a browser, clang, more builds of the kernel;
                   also builds the benches
-CI=true makes every compiler warning an error.
+CI=true makes every compiler warning an error, and builds the benches.
 TXT
 }
 
@@ -102,7 +102,7 @@ note_cpu() { awk -v name="$1" -v now="$(cpu_seconds)" -v before="$2" 'BEGIN { pr
 main() {
   local begin targets=(web all)
   parse_options "$@"
-  if [ -n "$LONG" ]; then targets+=(benches); fi
+  if [ -n "$LONG${CI:-}" ]; then targets+=(benches); fi
   install_sections build test wasm run
   fetch_linuxcnc
   use_node
