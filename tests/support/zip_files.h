@@ -23,7 +23,7 @@ inline std::string zip_of(const std::map<std::string, std::string>& parts) {
     zipCloseFileInZip(zip);
   }
   zipClose(zip, nullptr);
-  std::string bytes = file_text(path);
+  std::string bytes = content_of(path);
   std::filesystem::remove(path);
   return bytes;
 }

@@ -30,7 +30,7 @@ void write_everywhere(const SolidSnapshot& solid, std::size_t triangles) {
       if (exact) {
         EXPECT_EQ(written.triangles, triangles);
       }
-      const std::string bytes = test::file_text(path);
+      const std::string bytes = test::content_of(path);
       if (format == ModelFormat::kPly || format == ModelFormat::kObj) {
         const test::ReadModel model =
             format == ModelFormat::kPly ? test::read_ply_bytes(bytes) : test::read_obj_text(bytes);

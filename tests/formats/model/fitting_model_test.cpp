@@ -30,10 +30,10 @@ class FittingModelTest : public ::testing::Test {
 TEST_F(FittingModelTest, ModelWithinTheLimitsIsExact) {
   const auto exact = write(ModelFormat::kStl, {});
   EXPECT_FALSE(exact.exact_triangles);
-  const std::string bytes = test::file_text(path_);
+  const std::string bytes = test::content_of(path_);
   SnapshotMesh mesh(solid_);
   ASSERT_TRUE(write_model(path_, mesh, {}));
-  EXPECT_EQ(bytes, test::file_text(path_));
+  EXPECT_EQ(bytes, test::content_of(path_));
 }
 
 TEST_F(FittingModelTest, ModelAboveTheLimitsIsSimplifiedUntilReadable) {
@@ -47,7 +47,7 @@ TEST_F(FittingModelTest, ModelAboveTheLimitsIsSimplifiedUntilReadable) {
       const FittingModel model = write(format, limits);
       EXPECT_EQ(model.exact_triangles, exact.summary.triangles);
       EXPECT_LE(model.tolerance_mm, solid_.grid().pitch_mm);
-      const std::string bytes = test::file_text(path_);
+      const std::string bytes = test::content_of(path_);
       EXPECT_LE(bytes.size(), limits.bytes);
       const auto mesh =
           test::value_of(read_mesh(read_as, std::as_bytes(std::span(bytes)), triangles));

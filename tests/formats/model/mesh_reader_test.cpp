@@ -22,7 +22,7 @@ std::string written(ModelFormat format, ModelEncoding encoding) {
   const fs::path path = fs::path(::testing::TempDir()) / (std::to_string(::getpid()) + "_read");
   SnapshotMesh mesh(sculpture.solid());
   EXPECT_TRUE(write_model(path, mesh, {.format = format, .encoding = encoding}));
-  std::string text = test::file_text(path);
+  std::string text = test::content_of(path);
   fs::remove(path);
   return text;
 }

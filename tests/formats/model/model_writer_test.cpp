@@ -49,7 +49,7 @@ Written write(const SolidSnapshot& snapshot, ModelFormat format, ModelEncoding e
        }});
   EXPECT_TRUE(summary) << summary.error().reason;
   EXPECT_EQ(last, 1);
-  Written written{*summary, test::file_text(path)};
+  Written written{*summary, test::content_of(path)};
   EXPECT_EQ(written.bytes.size(), summary->bytes);
   EXPECT_FALSE(fs::exists(path.string() + ".spool"));
   fs::remove(path);

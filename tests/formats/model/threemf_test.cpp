@@ -117,7 +117,7 @@ TEST(ThreemfWriter, IsManifoldAndBitIdenticalToTheSurface) {
     SnapshotMesh mesh(snapshot);
     ASSERT_TRUE(write_model(path, mesh, {.format = ModelFormat::kStl}));
     EXPECT_EQ(test::sorted_triangles(read.model),
-              test::sorted_triangles(test::read_stl_bytes(test::file_text(path))));
+              test::sorted_triangles(test::read_stl_bytes(test::content_of(path))));
     std::filesystem::remove(path);
   }
 }
