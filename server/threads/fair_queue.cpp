@@ -25,13 +25,17 @@ struct Client {
   std::string name;
   std::deque<WaitingPointer> jobs = {};
   int running = 0;
-  Clock::duration debt{0};  ///< time on threads beyond that of its turns
+  Clock::duration debt{0};  ///< time on threads beyond that of its turns; negative: unused time
 };
 
 using Clients = std::list<Client>;
 
-void pay(Client& client, Clock::duration time) {
-  client.debt = std::max(Clock::duration::zero(), client.debt - time);
+/// Lets a client that is in debt pay with its turns of some rounds.
+void pay(Client& client, Clock::duration::rep rounds) {
+  if (client.debt.count() <= 0) return;
+  const Clock::duration::rep needed =
+      (client.debt + FairQueue::kTurn - Clock::duration(1)) / FairQueue::kTurn;
+  client.debt -= std::min(rounds, needed) * FairQueue::kTurn;
 }
 
 /// Whether it is one of the waiting clients with the fewest running jobs.
@@ -86,8 +90,8 @@ void FairQueue::State::skip_rounds(int fewest) {
   for (const Client& client : clients) {
     if (may_begin(client, fewest)) least = std::min(least, client.debt);
   }
-  const auto paid = least / kTurn * kTurn;
-  for (Client& client : clients) pay(client, paid);
+  const auto rounds = std::max(Clock::duration::zero(), least) / kTurn;
+  for (Client& client : clients) pay(client, rounds);
 }
 
 /// Returns the client whose turn it is. Clients in debt pay with their turn instead. Precondition:
@@ -99,7 +103,7 @@ Clients::iterator FairQueue::State::next_in_turn(int fewest) {
     const auto client = at++;
     const bool has_debt = client->debt.count() > 0;
     if (!has_debt && may_begin(*client, fewest)) return client;
-    pay(*client, kTurn);
+    pay(*client, 1);
     if (!is_needed(*client)) {
       clients.erase(client);
     } else if (has_debt) {
@@ -159,7 +163,7 @@ void FairQueue::State::end(const std::string& name, Clock::duration cost) {
   --running;
   const auto client = find(name);
   --client->running;
-  client->debt += std::max(Clock::duration::zero(), cost - kTurn);
+  client->debt = std::max<Clock::duration>(client->debt + cost - kTurn, -kTurn);
   const bool anyone_waits =
       std::ranges::any_of(clients, [](const Client& each) { return !each.jobs.empty(); });
   if (running == 0 && !anyone_waits) {
