@@ -3,27 +3,11 @@
 
 #include <cstddef>
 
+#include "kernel/cut/to_depth.h"
 #include "kernel/math/int_lanes.h"
 
 namespace kerf {
 namespace {
-
-/// Converts heights (mm) to depths (quanta), clamped to the stock.
-class ToDepth {
- public:
-  KERF_INLINE explicit ToDepth(const DexelGrid& grid)
-      : origin_mm_(grid.origin_mm.z),
-        inverse_quantum_(1 / grid.z_quantum_mm),
-        height_(double(grid.height_quanta)) {}
-
-  KERF_INLINE IntLanes operator()(const Lanes& height_mm) const {
-    const Lanes above = greater((height_mm - origin_mm_) * inverse_quantum_, Lanes(0));
-    return to_int_lanes(lesser(above, height_) + 0.5);
-  }
-
- private:
-  Lanes origin_mm_, inverse_quantum_, height_;
-};
 
 KERF_INLINE void subtract_in_lanes(const ColumnBlock& block, unsigned rows, const DexelGrid& grid,
                                    const BlockElements& elements, std::int32_t first_i,

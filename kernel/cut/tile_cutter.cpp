@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "kernel/cut/lazy_normals.h"
+#include "kernel/cut/lower_tops.h"
 #include "kernel/cut/reach.h"
 #include "kernel/cut/subtract_rows.h"
 #include "kernel/cut/swept_block.h"
@@ -30,7 +31,7 @@ KERF_INLINE std::size_t count_below(std::span<const Dexel> elements, std::int32_
 
 void TileCutter::begin(DexelField& field, TileIndex tile) {
   field_ = &field;
-  work_ = {tile, field.find(tile)};
+  work_ = {tile, field.find(tile), field.editable(tile)};
 }
 
 void TileCutter::cut(const SweptTool& swept, NormalCode end_code, RemovedPart& removed) {
@@ -58,7 +59,9 @@ void TileCutter::cut_block(int block) {
       work_.index.y * kTileSide + block / kTileBlocksAcross * kBlockSide,
   };
   if (first.i >= grid().columns_x || first.j >= grid().columns_y) return;
-  sweep_block(*swept_, grid(), work_.stored, first.i, first.j, block_);
+  const unsigned rows = bound_block(*swept_, grid(), work_.stored, first.i, first.j, block_);
+  if (rows == 0 || cut_by_ball(block, first, rows)) return;
+  sweep_rows(*swept_, grid(), work_.stored, first.i, first.j, rows, block_);
   if (block_.filled == 0) return;
   const std::int64_t before = removed_->quanta;
   cut_rows(first, block_.filled);
@@ -68,6 +71,29 @@ void TileCutter::cut_block(int block) {
     cut_rows(first, 1U << a.row);
   }
   if (removed_->quanta > before) work_.changed->update_bounds(block);
+}
+
+/// Cuts rows of a block in one pass, if only a ball above the stock changes them and no column is
+/// split. Returns false, without changes, for all other cuts, and in tiles that have to be created
+/// or copied first.
+bool TileCutter::cut_by_ball(int block, Column first, unsigned rows) {
+  if (work_.changed == nullptr) return false;
+  const BallSweep* ball = ball_above(*swept_, block_, rows);
+  if (ball == nullptr) return false;
+  DexelTile& tile = *work_.changed;
+  const int row0 = first.j % kTileSide, column0 = first.i % kTileSide;
+  for (int row = 0; row < kBlockSide; ++row) {
+    if ((tile.split[std::size_t(row0 + row)] >> column0 & 0xFFU) != 0) return false;
+  }
+  const auto corner = std::size_t(row0 * kTileSide + column0);
+  RemovedGroup groups[kBlockSide];
+  const LoweredTops lowered =
+      lower_tops(*ball, block_, rows, grid(), {&tile.bottom[corner], &tile.top[corner]}, first.i,
+                 first.j, groups);
+  removed_->groups.insert(removed_->groups.end(), groups, groups + lowered.groups);
+  removed_->quanta += lowered.quanta;
+  tile.block_top[std::size_t(block)] = lowered.highest;
+  return true;
 }
 
 /// Subtracts the intervals in block_ of the rows set in `rows`.

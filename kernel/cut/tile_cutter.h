@@ -25,7 +25,7 @@ class TileCutter {
   void put_tiles();
 
  private:
-  /// The tile being cut; `changed` is set once it may be written.
+  /// The tile being cut; `changed` is set if it may be written.
   struct Work {
     TileIndex index;
     const DexelTile* stored = nullptr;
@@ -41,6 +41,7 @@ class TileCutter {
   };
 
   void cut_block(int block);
+  bool cut_by_ball(int block, Column first, unsigned rows);
   void cut_rows(Column first, unsigned rows);
   void make_editable();
   void subtract_elements(int column, Column at, Dexel cut);

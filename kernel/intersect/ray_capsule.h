@@ -9,6 +9,13 @@
 
 namespace kerf {
 
+/// One end of the intervals that a capsule removes from eight rays, valid where `hit`.
+struct LaneEnd {
+  Lanes z;
+  LaneMask hit;
+};
+KERF_INLINE void include(LaneEnd& end, LaneMask hit, Lanes z) { end = {z, hit}; }
+
 /// Intersection of a dexel ray with the capsule that a sphere of radius r sweeps from one center to
 /// another (paper section 2.4, intersection 1 and the sphere's translation). Seen along the motion,
 /// the ray is at the distance `perp` from the path, where the sphere is a circle of radius ρ = √(r²
@@ -39,6 +46,12 @@ struct RayCapsule {
   KERF_INLINE void extend(AnySpan& span, Real x, Real y) const {
     include_end(span, x, y, splat_like(x, -1));
     include_end(span, x, y, splat_like(x, 1));
+  }
+  /// Returns the lower end of the swept interval.
+  KERF_INLINE LaneEnd lower_end(Lanes x, Lanes y) const {
+    LaneEnd end;
+    include_end(end, x, y, Lanes(-1));
+    return end;
   }
   /// Widens `span` by one end: the lower one for `side` −1, the upper one for +1.
   template <class AnySpan, class Real>

@@ -7,13 +7,6 @@
 namespace kerf {
 namespace {
 
-/// One end of the intervals that a capsule removes from eight rays, valid where `hit`.
-struct OneEnd {
-  Lanes z;
-  LaneMask hit;
-};
-KERF_INLINE void include(OneEnd& end, LaneMask hit, Lanes z) { end = {z, hit}; }
-
 /// Lower bounds of the heights that a capsule removes within each disc, or +inf where it removes
 /// nothing. At horizontal distance ρ from the path the ball reaches √(r² − ρ²) below it, and no
 /// point of the path is below its lower end. If no point of the surface advances (the ball moves
@@ -65,8 +58,7 @@ KERF_INLINE void evaluate_chain_in_lanes(std::span<const RayCapsule> capsules, C
       const Lanes y = Lanes(block.y_mm[row]);
       LaneSpan span;
       if (above) {
-        OneEnd lower;
-        c.include_end(lower, block.x_mm, y, Lanes(-1));
+        const LaneEnd lower = c.lower_end(block.x_mm, y);
         span.lo = select(lower.hit, lower.z, span.lo);
         span.hi = select(lower.hit, Lanes(block.top_mm + block.join_mm), span.hi);
       } else {
@@ -106,5 +98,10 @@ LeftOut BallSweep::lower_bound(const Discs& discs, Lanes& z_mm) const {
 }
 
 void BallSweep::evaluate(ColumnBlock& block) const { evaluate_chain(capsules_, block); }
+
+bool BallSweep::stays_above(double z_mm) const {
+  return std::ranges::all_of(
+      capsules_, [&](const RayCapsule& c) { return c.from.z >= z_mm && c.to.z >= z_mm; });
+}
 
 }  // namespace kerf

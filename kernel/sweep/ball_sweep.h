@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "kernel/intersect/ray_capsule.h"
@@ -21,6 +22,11 @@ class BallSweep {
   /// discs (bit i: disc i) that are left out because they are behind the ball.
   LeftOut lower_bound(const Discs& discs, Lanes& z_mm) const;
   void evaluate(ColumnBlock& block) const;
+
+  /// Returns whether the center stays at or above a height. Below it, a ray that the ball meets
+  /// then loses everything above the ball's lower end.
+  bool stays_above(double z_mm) const;
+  std::span<const RayCapsule> capsules() const { return capsules_; }
 
  private:
   std::vector<RayCapsule> capsules_;
