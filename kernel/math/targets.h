@@ -3,7 +3,7 @@
 
 // Compiles functions on SIMD lanes (kernel/math/lanes.h) for several instruction sets. The loader
 // picks the best version that the CPU supports. Contraction is off, so all versions give equal
-// bits. A build may request a single version to test that (CMake's KERF_VECTOR).
+// bits, which tests/determinism checks. A build without them has KERF_VECTOR=none.
 //
 // KERF_INLINE marks every function with lanes as parameters or result. It must be inlined into its
 // caller, because the calling convention of vectors depends on the instruction set.
@@ -25,8 +25,7 @@
 #define KERF_FOR_NO_TARGET(Result, name, parameters, arguments) static_assert(true);
 
 #if !defined(__x86_64__) || defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || \
-    defined(KERF_VECTOR_NONE) ||                                                             \
-    (defined(__clang__) && !defined(KERF_VECTOR_AVX2) && !defined(KERF_VECTOR_AVX512))
+    defined(KERF_VECTOR_NONE) || defined(__clang__)
 #define KERF_ONE_TARGET
 #define KERF_TARGET_AVX2
 #define KERF_TARGET_AVX512
@@ -43,20 +42,6 @@
   KERF_FOR_TARGET(, Result, name, parameters, arguments)
 #define KERF_FOR_AVX2_TARGET KERF_FOR_NO_TARGET
 #define KERF_FOR_AVX512_TARGET KERF_FOR_NO_TARGET
-#elif defined(KERF_VECTOR_AVX2)
-#define KERF_VECTOR_CLONES KERF_TARGET_AVX2
-#define KERF_DECLARE_TARGETS(Result, name, parameters) KERF_TARGET_AVX2 Result name parameters;
-#define KERF_FOR_BASE_TARGET KERF_FOR_NO_TARGET
-#define KERF_FOR_AVX2_TARGET(Result, name, parameters, arguments) \
-  KERF_FOR_TARGET(KERF_TARGET_AVX2, Result, name, parameters, arguments)
-#define KERF_FOR_AVX512_TARGET KERF_FOR_NO_TARGET
-#elif defined(KERF_VECTOR_AVX512)
-#define KERF_VECTOR_CLONES KERF_TARGET_AVX512
-#define KERF_DECLARE_TARGETS(Result, name, parameters) KERF_TARGET_AVX512 Result name parameters;
-#define KERF_FOR_BASE_TARGET KERF_FOR_NO_TARGET
-#define KERF_FOR_AVX2_TARGET KERF_FOR_NO_TARGET
-#define KERF_FOR_AVX512_TARGET(Result, name, parameters, arguments) \
-  KERF_FOR_TARGET(KERF_TARGET_AVX512, Result, name, parameters, arguments)
 #else
 #define KERF_VECTOR_CLONES \
   __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
