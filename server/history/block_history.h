@@ -21,8 +21,8 @@
 
 namespace kerf {
 
-/// Tiles to carve together when a whole block is replaced, to bound the memory to some 20 MB.
-inline constexpr std::size_t kTilesAtOnce = 1024;
+/// Tiles to carve together when a whole block is replaced, to bound the memory to some 10 MB.
+inline constexpr std::size_t kTilesAtOnce = 128;
 
 /// Memory that a history keeps between queries.
 struct HistoryMemory {
