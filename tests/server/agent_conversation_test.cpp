@@ -176,6 +176,7 @@ class Places final : public SessionPlaces {
   std::vector<PlacedSession> elsewhere() const override { return {}; }
   std::optional<std::string> address_of(const std::string&) const override { return {}; }
   bool is_moving(const std::string&) const override { return false; }
+  std::optional<std::string> needed_server(const std::string&) const override { return {}; }
   std::vector<std::string> other_servers() const override { return others; }
   std::optional<std::string> place_for_new() override { return {}; }
   bool wants_to_follow(const std::string&) override { return false; }

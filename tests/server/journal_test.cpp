@@ -27,7 +27,8 @@ int rest_of(JournalReader& reader) {
 
 /// The number of records of a file.
 int count_in(const std::filesystem::path& file) {
-  return rest_of(test::value_of(JournalReader::open(file)));
+  auto reader = test::value_of(JournalReader::open(file));
+  return rest_of(reader);
 }
 
 class Journal : public testing::Test {

@@ -162,7 +162,8 @@ TEST_F(NatsContract, RestartedServerKeepsItsStreams) {
   ASSERT_TRUE(test::eventually([&] { return nats_->is_connected(); }));
   EXPECT_EQ((*nats_->last_message("ALL", "all.a"))->sequence, 1U);
   ASSERT_TRUE(test::eventually([&] { return publish("all.a", "after", 1).has_value(); }));
-  EXPECT_EQ(next(test::value_of(nats_->watch_from("ALL", "all.a", 2))), "all.a 2 after");
+  auto later = test::value_of(nats_->watch_from("ALL", "all.a", 2));
+  EXPECT_EQ(next(later), "all.a 2 after");
 }
 
 }  // namespace
