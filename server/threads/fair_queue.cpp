@@ -25,17 +25,17 @@ struct Client {
   std::string name;
   std::deque<WaitingPointer> jobs = {};
   int running = 0;
-  Clock::duration debt{0};  ///< time on threads beyond that of its turns; negative: unused time
+  Clock::duration excess{0};  ///< time on threads beyond that of its turns; negative: unused time
 };
 
 using Clients = std::list<Client>;
 
-/// Lets a client that is in debt pay with its turns of some rounds.
-void pay(Client& client, Clock::duration::rep rounds) {
-  if (client.debt.count() <= 0) return;
+/// Lets a client with an excess give up its turns of some rounds.
+void give_up_turns(Client& client, Clock::duration::rep rounds) {
+  if (client.excess.count() <= 0) return;
   const Clock::duration::rep needed =
-      (client.debt + FairQueue::kTurn - Clock::duration(1)) / FairQueue::kTurn;
-  client.debt -= std::min(rounds, needed) * FairQueue::kTurn;
+      (client.excess + FairQueue::kTurn - Clock::duration(1)) / FairQueue::kTurn;
+  client.excess -= std::min(rounds, needed) * FairQueue::kTurn;
 }
 
 /// Whether it is one of the waiting clients with the fewest running jobs.
@@ -44,7 +44,7 @@ bool may_begin(const Client& client, int fewest) {
 }
 
 bool is_needed(const Client& client) {
-  return !client.jobs.empty() || client.running > 0 || client.debt.count() > 0;
+  return !client.jobs.empty() || client.running > 0 || client.excess.count() > 0;
 }
 
 }  // namespace
@@ -84,29 +84,30 @@ void FairQueue::State::enter(const WaitingPointer& waiting) {
   client->jobs.push_back(waiting);
 }
 
-/// Lets all clients pay for the rounds in which nobody would begin. Precondition: locked.
+/// Lets all clients give up their turns of the rounds in which nobody would begin. Precondition:
+/// locked.
 void FairQueue::State::skip_rounds(int fewest) {
   auto least = Clock::duration::max();
   for (const Client& client : clients) {
-    if (may_begin(client, fewest)) least = std::min(least, client.debt);
+    if (may_begin(client, fewest)) least = std::min(least, client.excess);
   }
   const auto rounds = std::max(Clock::duration::zero(), least) / kTurn;
-  for (Client& client : clients) pay(client, rounds);
+  for (Client& client : clients) give_up_turns(client, rounds);
 }
 
-/// Returns the client whose turn it is. Clients in debt pay with their turn instead. Precondition:
+/// Returns the client whose turn it is. Clients with an excess give their turn up. Precondition:
 /// locked; a client with `fewest` running jobs waits.
 Clients::iterator FairQueue::State::next_in_turn(int fewest) {
   skip_rounds(fewest);
   for (auto at = clients.begin();;) {
     if (at == clients.end()) at = clients.begin();
     const auto client = at++;
-    const bool has_debt = client->debt.count() > 0;
-    if (!has_debt && may_begin(*client, fewest)) return client;
-    pay(*client, 1);
+    const bool has_excess = client->excess.count() > 0;
+    if (!has_excess && may_begin(*client, fewest)) return client;
+    give_up_turns(*client, 1);
     if (!is_needed(*client)) {
       clients.erase(client);
-    } else if (has_debt) {
+    } else if (has_excess) {
       clients.splice(clients.end(), clients, client);
     }
   }
@@ -163,7 +164,7 @@ void FairQueue::State::end(const std::string& name, Clock::duration cost) {
   --running;
   const auto client = find(name);
   --client->running;
-  client->debt = std::max<Clock::duration>(client->debt + cost - kTurn, -kTurn);
+  client->excess = std::max<Clock::duration>(client->excess + cost - kTurn, -kTurn);
   const bool anyone_waits =
       std::ranges::any_of(clients, [](const Client& each) { return !each.jobs.empty(); });
   if (running == 0 && !anyone_waits) {

@@ -15,13 +15,13 @@ namespace kerf {
 
 /// Runs the jobs of clients on an executor, in turns: the next job is that of the waiting client
 /// with the fewest running jobs and, among these, the longest wait for a turn. A job may take kTurn
-/// of a thread. A client whose jobs took more is in debt and pays kTurn instead of each of its next
-/// turns (deficit round robin), so waiting clients get the same time, whatever their jobs cost.
-/// Debts are canceled when the queue is empty.
+/// of a thread. A client whose jobs took more has an excess and gives up one of its next turns for
+/// each kTurn of it (deficit round robin), so waiting clients get the same time, whatever their
+/// jobs cost. An excess ends when the queue is empty.
 ///
-/// A client without a running job and without debt waits for the running jobs, and for at most one
-/// more of each other client, however many they send. One client has at most `parallel` - 1 running
-/// jobs, or 1, so that another one finds a thread. Thread-safe.
+/// A client without a running job and without an excess waits for the running jobs, and for at most
+/// one more of each other client, however many they send. One client has at most `parallel` - 1
+/// running jobs, or 1, so that another one finds a thread. Thread-safe.
 class FairQueue {
  public:
   static constexpr std::chrono::milliseconds kTurn{10};

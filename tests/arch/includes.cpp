@@ -134,7 +134,23 @@ const std::vector<Module>& other_modules() {
        {"kernel", "server/error.h", "server/wire", "server/convert/rejection.h", "server/formats",
         "server/platform", "server/verify", "server/store", "server/session", "server/metrics",
         "server/rights", "server/socket", "server/tls", "server/websocket", "server/threads"}},
-      // The matters, unknown to the folders above.
+      {"server", {"kernel"}},
+      // Programs, scenes, models and journals for a page that carves without a server.
+      {"web/wasm/files",
+       {"kernel", "server/formats", "server/verify", "server/store", "server/history",
+        "server/wire", "server/convert", "server/feed/column_digest.h",
+        "server/session/past_block.h", "server/session/session_id.h"}},
+      // The replica of an agent, for pages.
+      {"web/wasm",
+       {"kernel", "server/wire", "server/convert", "server/formats", "haptic_agent/replica"}},
+      {"tests", {"kernel", "server", "haptic_agent", "web/wasm"}},
+  };
+  return kModules;
+}
+
+/// The matters of a session; the folders of other_modules() do not know them.
+const std::vector<Module>& matter_modules() {
+  static const std::vector<Module> kModules = {
       {"server/downloads",
        {"kernel", "server/error.h", "server/formats", "server/http", "server/session",
         "server/store"}},
@@ -157,16 +173,6 @@ const std::vector<Module>& other_modules() {
       {"server/versions",
        {"server/platform", "server/rights", "server/store", "server/session", "server/http",
         "server/threads/run_and_wait.h"}},
-      {"server", {"kernel"}},
-      // Programs, scenes, models and journals for a page that carves without a server.
-      {"web/wasm/files",
-       {"kernel", "server/formats", "server/verify", "server/store", "server/history",
-        "server/wire", "server/convert", "server/feed/column_digest.h",
-        "server/session/past_block.h", "server/session/session_id.h"}},
-      // The replica of an agent, for pages.
-      {"web/wasm",
-       {"kernel", "server/wire", "server/convert", "server/formats", "haptic_agent/replica"}},
-      {"tests", {"kernel", "server", "haptic_agent", "web/wasm"}},
   };
   return kModules;
 }
@@ -245,7 +251,8 @@ bool is_within_any(std::string_view path, const std::vector<std::string_view>& p
 
 // The first module that contains a file decides. A file outside every module is a violation.
 const Module* module_of(std::string_view path) {
-  for (const auto* modules : {&agent_modules(), &kernel_modules(), &other_modules()}) {
+  for (const auto* modules :
+       {&agent_modules(), &kernel_modules(), &matter_modules(), &other_modules()}) {
     const auto found =
         std::ranges::find_if(*modules, [&](const Module& m) { return is_within(path, m.path); });
     if (found != modules->end()) return &*found;

@@ -248,7 +248,7 @@ TEST_F(AccessTest, TokensAreStoredHashedInAPrivateFile) {
   EXPECT_TRUE(bytes.contains(invitation.grant.id));
   EXPECT_FALSE(bytes.contains(secret));
   EXPECT_FALSE(bytes.contains(kAdmin));
-  struct stat status {};
+  struct stat status{};
   ASSERT_EQ(stat(file.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777U, 0600U);
 }
@@ -310,68 +310,6 @@ TEST(AdminToken, FileIsCreatedOnceAndPrivate) {
   EXPECT_GE(made.size(), kAdminTokenBytesMin);
   EXPECT_EQ(*read_admin_token(file), made);
   struct stat status{};
-  ASSERT_EQ(stat(file.c_str(), &status), 0);
-  EXPECT_EQ(status.st_mode & 0777U, 0600U);
-}
-
-TEST_F(AccessTest, AnOpenServerHasGuestsAndALocalOneAdministrators) {
-  const Issued owner = invite(Role::kOwner);
-  reopen(true);
-  EXPECT_EQ(access->regime(), Regime::kOpen);
-  EXPECT_EQ(role_of(""), Role::kGuest);
-  EXPECT_EQ(role_of("kerf_of_yesterday"), Role::kGuest);
-  EXPECT_EQ(role_of(owner.token), Role::kOwner);
-  reopen(false, "");
-  EXPECT_EQ(access->regime(), Regime::kLocal);
-  EXPECT_EQ(role_of(""), Role::kAdministrator);
-}
-
-TEST_F(AccessTest, ASessionOfTheSameIdBeginsWithoutRights) {
-  const Issued owner = invite(Role::kOwner);
-  ASSERT_TRUE(access->reserve("block", {.min_mm = {0, 0, 0}, .max_mm = {1, 1, 1}}));
-  ASSERT_TRUE(access->forget("block"));
-  EXPECT_EQ(role_of(owner.token), Role::kNobody);
-  reopen();
-  EXPECT_EQ(role_of(owner.token), Role::kNobody);
-  EXPECT_TRUE(access->regions("block").empty());
-}
-
-TEST_F(AccessTest, RegionsSurviveARestart) {
-  ASSERT_TRUE(access->reserve("block", {.min_mm = {0, 0.25, 0}, .max_mm = {1, 1, 1}}));
-  const auto second = test::value_of(access->reserve(
-      "block", {.min_mm = {2, 0, 0}, .max_mm = {3, 1, 1}, .participant = 7, .person = "p"}));
-  ASSERT_TRUE(access->release("block", 1));
-  EXPECT_FALSE(access->release("block", 1));
-  reopen();
-  const auto regions = access->regions("block");
-  ASSERT_EQ(regions.size(), 1U);
-  EXPECT_EQ(regions[0].id, second);
-  EXPECT_EQ(regions[0].min_mm, (Vec3{2, 0, 0}));
-  EXPECT_EQ(regions[0].participant, 7U);
-  EXPECT_EQ(regions[0].person, "p");
-}
-
-TEST_F(AccessTest, LimitsAreErrors) {
-  access = *Access::open({.admin_token = kAdmin});
-  EXPECT_EQ(access->invite("block", {.lifetime_s = Access::kLifetimeMaxS + 1}).error().kind,
-            ErrorKind::kInvalid);
-  EXPECT_EQ(access->invite("block", {.name = std::string(65, 'a')}).error().kind,
-            ErrorKind::kInvalid);
-  for (std::size_t n = 0; n < Access::kRegionsMax; ++n) {
-    ASSERT_TRUE(access->reserve("block", {.max_mm = {1, 1, 1}}));
-  }
-  EXPECT_EQ(access->reserve("block", {.max_mm = {1, 1, 1}}).error().kind, ErrorKind::kConflict);
-  EXPECT_FALSE(Access::open({.admin_token = "short"}));
-}
-
-TEST(AdminToken, FileIsCreatedOnceAndPrivate) {
-  const test::TemporaryFolder folder;
-  const std::string file = (folder.path() / "admin").string();
-  const auto made = read_admin_token(file);
-  ASSERT_TRUE(made) << made.error();
-  EXPECT_GE(made->size(), kAdminTokenBytesMin);
-  EXPECT_EQ(*read_admin_token(file), *made);
-  struct stat status {};
   ASSERT_EQ(stat(file.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777U, 0600U);
   EXPECT_FALSE(read_admin_token((folder.path() / "no" / "folder").string()));

@@ -146,7 +146,7 @@ TEST_F(FairQueueTest, ACostlyJobIsPaidWithTurns) {
   EXPECT_EQ(ran, (Names{"a", "b", "b", "b", "a", "b", "b", "b"}));
 }
 
-TEST_F(FairQueueTest, NewClientDoesNotWaitForDebts) {
+TEST_F(FairQueueTest, NewClientDoesNotWaitForTurnsThatOthersGiveUp) {
   FairQueue queue(executor, 1, now);
   for (int n = 0; n < 3; ++n) post_long(queue, "a", 1min);
   for (int n = 0; n < 3; ++n) post_long(queue, "b", 1s);
@@ -157,7 +157,7 @@ TEST_F(FairQueueTest, NewClientDoesNotWaitForDebts) {
   EXPECT_EQ(ran, (Names{"a", "b", "b", "c", "b", "a", "a"})) << "the second job of b had begun";
 }
 
-TEST_F(FairQueueTest, ADebtOutlastsTheJobsOfItsClient) {
+TEST_F(FairQueueTest, AnExcessOutlastsTheJobsOfItsClient) {
   FairQueue queue(executor, 1, now);
   post_long(queue, "a", 1s);
   for (int n = 0; n < 3; ++n) post_long(queue, "b", 10ms);
@@ -178,7 +178,7 @@ TEST_F(FairQueueTest, TimeThatNobodyWaitedForIsFree) {
 }
 
 /// New clients that arrive for ever must not keep one from its turn.
-TEST_F(FairQueueTest, ADebtIsPaidAlthoughNewClientsArrive) {
+TEST_F(FairQueueTest, AnExcessEndsAlthoughNewClientsArrive) {
   FairQueue queue(executor, 1, now);
   for (int n = 0; n < 2; ++n) post_long(queue, "a", 1s);
   int arrived = 0;
@@ -284,7 +284,7 @@ class Arrivals {
   std::mt19937 random_;
   int parallel_, clients_;
   test::ManualExecutor executor_;
-  Clock::time_point time_;  ///< stands still, so that no client gets into debt
+  Clock::time_point time_;  ///< stands still, so that no client has an excess
   FairQueue queue_;
   std::map<std::string, int> outstanding_, ran_;
   std::size_t total_ = 0;

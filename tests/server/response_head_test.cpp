@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/response_head.h"
-#include "server/http/responses.h"
 
+#include "server/http/responses.h"
 #include "tests/support/test.h"
 
 namespace kerf::net::response_head_test {

@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
   }
   for (std::uint64_t n = 0; n < kTicks; ++n) (*recorder)->tape().push(tick_at(n));
   const auto report = (*recorder)->finish({{"trips", "4"}});
-  const std::string whole = test::content_of(file);
+  const std::string whole = kerf::test::content_of(file);
   std::ofstream(folder / "cut_off.mcap", std::ios::binary) << whole.substr(0, whole.size() / 2);
   return report.error.empty() && report.ticks == kTicks ? 0 : 1;
 }

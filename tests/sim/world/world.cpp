@@ -6,7 +6,7 @@
 #include <functional>
 #include <utility>
 
-#include "server/http/api.h"
+#include "server/http/hashed_solid.h"
 #include "server/session/journal_carve.h"
 #include "server/session/journal_check.h"
 #include "tests/sim/nats/nats_model.h"
