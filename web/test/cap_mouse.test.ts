@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+// @vitest-environment happy-dom
+import { h } from 'preact';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { cameraStep } from '../src/model/cap_push';
-import { capMouse, CapMouse } from '../src/carve/devices/cap_mouse';
-import { FakeElement, stubPage } from './support/fake_dom';
+import { CapMouse, CapMouseChoice, CapMouseSettings } from '../src/carve/devices/cap_mouse';
 import { fakeMouse } from './support/fake_space_mouse';
 import type { FakeMouse } from './support/fake_space_mouse';
+import { enter, press, show } from './support/shown';
+import { turn } from './support/turn';
 
 const REST = { move: [0, 0, 0], lean: [0, 0], twist: 0 } as const;
 
@@ -48,6 +51,11 @@ describe('a pushed cap', () => {
   });
 });
 
+interface Made {
+  button: HTMLButtonElement;
+  sense: HTMLSelectElement;
+}
+
 describe('a 3D mouse for the camera', () => {
   let stored: Map<string, string>;
   let frames: ((nowMs: number) => void)[];
@@ -57,23 +65,25 @@ describe('a 3D mouse for the camera', () => {
   let hasFocus: boolean;
 
   beforeEach(() => {
-    stubPage();
     stored = new Map();
     frames = [];
     moves = [];
     said = [];
     isBusy = false;
     hasFocus = true;
-    Object.assign(document, { hasFocus: () => hasFocus });
+    vi.spyOn(document, 'hasFocus').mockImplementation(() => hasFocus);
     vi.stubGlobal('localStorage', {
       getItem: (key: string) => stored.get(key) ?? null,
       setItem: (key: string, value: string) => stored.set(key, value),
     });
     vi.stubGlobal('requestAnimationFrame', (act: (nowMs: number) => void) => frames.push(act));
   });
-  afterEach(() => vi.unstubAllGlobals());
+  afterEach(() => {
+    vi.unstubAllGlobals();
+    vi.restoreAllMocks();
+  });
 
-  function make({ hid }: FakeMouse): { button: FakeElement; sense: FakeElement } {
+  function make({ hid }: FakeMouse): Made {
     const note =
       (name: string) =>
       (...values: number[]): void => {
@@ -82,14 +92,13 @@ describe('a 3D mouse for the camera', () => {
       };
     const rig = { orbit: note('orbit'), pan: note('pan'), zoom: note('zoom'), fit: note('fit') };
     const host = { rig: () => rig, isBusy: () => isBusy, say: (text: string) => said.push(text) };
-    const { element } = new CapMouse(host, hid);
-    const [button, sense] = (element as unknown as FakeElement).children;
-    return { button: button!, sense: sense! };
+    const root = show(h(CapMouseSettings, { mouse: new CapMouse(host, hid) }));
+    return { button: root.querySelector('button')!, sense: root.querySelector('select')! };
   }
-  const pressed = ({ button }: { button: FakeElement }): string | null =>
+  const pressed = ({ button }: Pick<Made, 'button'>): string | null =>
     button.getAttribute('aria-pressed');
   /** Its code is loaded when it is needed. */
-  const opened = (made: { button: FakeElement }): Promise<void> =>
+  const opened = (made: Pick<Made, 'button'>): Promise<void> =>
     vi.waitFor(() => expect(pressed(made)).toBe('true'), { timeout: 30_000 });
   /** The next displayed frame. */
   function frame(nowMs: number): void {
@@ -115,7 +124,7 @@ describe('a 3D mouse for the camera', () => {
     mouse.report(1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0);
     frame(1080);
     expect(moves).toEqual(['pan -0.020 0.000', 'orbit 0.030 0.000', 'zoom 1.030']);
-    made.button.click();
+    await press(made.button);
     expect([pressed(made), stored.get('kerf.space-mouse')]).toEqual(['false', 'off']);
     mouse.report(1, 0x5e, 0x01, 0, 0, 0, 0);
     frame(1100);
@@ -144,8 +153,7 @@ describe('a 3D mouse for the camera', () => {
     mouse.report(1, 0x5e, 0x01, 0, 0, 0, 0);
     frame(1000);
     expect(moves).toEqual(['pan 0.050 0.000']);
-    made.sense.value = 'block';
-    made.sense.dispatch('change');
+    await enter(made.sense, 'block');
     expect(stored.get('kerf.space-mouse')).toBe('block');
     frame(1020);
     expect(moves[1]).toBe('pan -0.020 0.000');
@@ -206,8 +214,8 @@ describe('a 3D mouse for the camera', () => {
     stored.set('kerf.space-mouse', 'block');
     const mouse = fakeMouse();
     const host = { rig: () => undefined, isBusy: () => false, say: () => undefined };
-    const { element } = new CapMouse(host, mouse.hid);
-    await opened({ button: (element as unknown as FakeElement).children[0]! });
+    const root = show(h(CapMouseSettings, { mouse: new CapMouse(host, mouse.hid) }));
+    await opened({ button: root.querySelector('button')! });
     mouse.report(1, 0x5e, 0x01, 0, 0, 0, 0);
     expect(() => frame(1000)).not.toThrow();
     expect(frames).toHaveLength(1);
@@ -223,12 +231,13 @@ describe('a 3D mouse for the camera', () => {
     expect(frames).toHaveLength(1);
     mouse.plug(false);
     frame(1000);
+    await turn();
     expect(pressed(made)).toBe('false');
   });
 
   it('has no settings where the browser can have none', () => {
     vi.stubGlobal('navigator', {});
     const host = { rig: () => undefined, isBusy: () => false, say: () => undefined };
-    expect(capMouse(host)).toBeNull();
+    expect(show(h(CapMouseChoice, { host })).textContent).toBe('');
   });
 });

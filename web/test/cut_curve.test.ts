@@ -3,10 +3,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import type { ForceCurve } from '../src/model/force_curve';
 import { cutCurveOf, spanAt } from '../src/model/cut_curve';
 import { CutControl } from '../src/ui/programs/cut_control';
-import type { FeedCurve } from '../src/model/program_path';
-import type { CutPlot } from '../src/ui/programs/cut_plot';
 import type { ProgramInfo } from '../src/wire/types';
-import { stubPage } from './support/fake_dom';
 
 const FORCES: ForceCurve = {
   first: [1, 3, 4],
@@ -17,7 +14,7 @@ const FORCES: ForceCurve = {
   endS: [2, 2, 4.5],
   removedMm3: [100, 0, 250],
   motions: [2, 1, 6],
-  peaks: [],
+  peaks: [{ tipMm: [1, 2, 3], forceN: [7, 0, 0], torqueNmm: [0, 4, 0] }],
 };
 
 describe('force and removal along a program', () => {
@@ -34,44 +31,28 @@ describe('force and removal along a program', () => {
 
 describe('the plot of the selected program', () => {
   const program = (motions_done: number): ProgramInfo =>
-    ({ id: 3, participant: 7, motions_done, elapsed_s: 1, programmed_s: 9 }) as ProgramInfo;
+    ({
+      ...{ id: 3, participant: 7, motions_done, elapsed_s: 1, programmed_s: 9 },
+      state: 'running',
+    }) as ProgramInfo;
   let asked: number[];
-  let shown: number;
-  let feeds: FeedCurve | null;
-  let shownFeeds: FeedCurve | null;
   let control: CutControl;
 
   beforeEach(() => {
-    stubPage();
     vi.useFakeTimers();
     asked = [];
-    shown = 0;
-    feeds = shownFeeds = null;
-    class FakePlot {
-      readonly element = document.createElement('div');
-      readonly setNow = (): void => undefined;
-      readonly setFeeds = (feeds: FeedCurve | null): void => {
-        if (feeds) shownFeeds = feeds;
-      };
-      show(): void {
-        shown += 1;
-      }
-    }
     control = new CutControl(
       (participant) => {
         asked.push(participant);
         return Promise.resolve(asked.length === 1 ? null : FORCES);
       },
       () => null,
-      () => feeds,
-      () => Promise.resolve({ CutPlot: FakePlot as unknown as typeof CutPlot }),
+      () => null,
+      () => Promise.resolve({ CutPlot: () => null }),
     );
     control.select(3);
   });
-  afterEach(() => {
-    vi.useRealTimers();
-    vi.unstubAllGlobals();
-  });
+  afterEach(() => vi.useRealTimers());
 
   async function update(motions: number, afterMs: number): Promise<void> {
     await vi.advanceTimersByTimeAsync(afterMs);
@@ -82,22 +63,25 @@ describe('the plot of the selected program', () => {
   it('is asked for when the program has moved, at most every 2 s, and shown once there is one', async () => {
     await update(0, 0);
     expect(asked).toEqual([]);
+    expect(control.nowS.value).toBeNull();
     await update(10, 100);
     expect(asked).toEqual([7]);
-    expect(control.element.hidden).toBe(true); // nothing yet
+    expect(control.curve.value).toBeNull(); // nothing yet
+    expect(control.nowS.value).toBe(1);
     await update(20, 100);
     expect(asked).toHaveLength(1);
     await update(20, 2000);
     expect(asked).toHaveLength(2);
-    expect(control.element.hidden).toBe(false);
+    const { value: curve } = control.curve;
+    expect(curve).toEqual(cutCurveOf(FORCES));
+    expect(control.peaks.value).toEqual(FORCES.peaks);
+    expect(control.plot.value).not.toBeNull();
+    expect(control.totalS.value).toBe(9);
     await update(20, 5000); // it has not moved
-    expect(shown).toBe(1);
-    expect(shownFeeds).toBeNull();
-    feeds = { timesS: [0, 1], feeds: [900, 900] }; // the path has come later
-    await update(20, 100);
-    expect(shownFeeds).toBe(feeds);
+    expect(control.curve.value).toBe(curve);
     control.select(4);
-    expect(control.element.hidden).toBe(true);
+    expect(control.curve.value).toBeNull();
+    expect(control.peaks.value).toEqual([]);
     await update(30, 5000); // of another program
     expect(asked).toHaveLength(2);
   });

@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
+// @vitest-environment happy-dom
+import { signal } from '@preact/signals';
+import { h } from 'preact';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { inviteDialog } from '../src/ui/invite';
-import type { FakeElement } from './support/fake_dom';
-import { stubPage } from './support/fake_dom';
+import { InviteDialog } from '../src/ui/invite';
+import { buttonOf, enter, press, show } from './support/shown';
+import { turn } from './support/turn';
 
 const LINK = '/?session=demo#invite=kerf_0123456789ab_0123456789abcdef0123456789abcdef';
 
 describe('the dialog of an invitation', () => {
-  let dialog: FakeElement;
+  let root: HTMLElement;
   let respond: ReturnType<typeof vi.fn<typeof fetch>>;
 
   beforeEach(() => {
-    stubPage();
-    vi.stubGlobal('navigator', {}); // no clipboard, as on plain HTTP
+    vi.stubGlobal('navigator', { language: 'en' }); // no clipboard, as on plain HTTP
     vi.stubGlobal('location', { origin: 'https://kerf.example', pathname: '/', search: '' });
     answerWith(201, { link: LINK });
-    dialog = inviteDialog('demo') as unknown as FakeElement;
+    root = show(h(InviteDialog, { session: 'demo', isOpen: signal(false) }));
   });
   afterEach(() => vi.unstubAllGlobals());
 
@@ -25,10 +27,13 @@ describe('the dialog of an invitation', () => {
     );
     vi.stubGlobal('fetch', respond);
   }
-  const one = (name: string): FakeElement => dialog.all(name)[0]!;
-  const roles = (): FakeElement[] => dialog.all('invite-role').map((role) => role.children[0]!);
-  const note = (): string => dialog.all('quiet')[0]!.textContent;
-  const create = (): void => dialog.all('button')[0]!.click();
+  const one = <E extends HTMLElement>(name: string): E => root.querySelector<E>(`.${name}`)!;
+  const roles = (): HTMLInputElement[] => [
+    ...root.querySelectorAll<HTMLInputElement>('input[type=radio]'),
+  ];
+  const note = (): string => one('quiet[role=status]').textContent;
+  const link = (): HTMLInputElement => one('invite-link');
+  const create = (): Promise<void> => press(buttonOf(root, 'Create link'));
 
   it('asks for a sculptor for a week at first', async () => {
     expect(roles().map(({ value, checked }) => [value, checked])).toEqual([
@@ -36,38 +41,36 @@ describe('the dialog of an invitation', () => {
       ['sculptor', true],
       ['owner', false],
     ]);
-    create();
-    await vi.waitFor(() => expect(respond).toHaveBeenCalledOnce());
+    await create();
     expect(respond.mock.calls[0]![0]).toBe('/v1/sessions/demo/invitations?role=sculptor&hours=168');
   });
 
   it('asks for the role and the time that are chosen', async () => {
-    roles()[0]!.dispatch('change');
-    one('invite-time').value = '24';
-    create();
-    await vi.waitFor(() => expect(respond).toHaveBeenCalledOnce());
+    roles()[0]!.dispatchEvent(new Event('change'));
+    await enter(one<HTMLSelectElement>('invite-time'), '24');
+    await create();
     expect(respond.mock.calls[0]![0]).toBe('/v1/sessions/demo/invitations?role=watcher&hours=24');
   });
 
   it('shows the link and its code once, and forgets them when it is closed', async () => {
-    expect(one('invite-link').hidden).toBe(true);
-    create();
-    const code = one('invite-code');
-    await vi.waitFor(() => expect(code.hidden).toBe(false));
-    expect((code as unknown as { innerHTML: string }).innerHTML).toMatch(/^<svg/);
-    expect(one('invite-link').value).toBe(`https://kerf.example${LINK}`);
+    expect(link().hidden).toBe(true);
+    await create();
+    await vi.waitFor(() => expect(one('invite-code').innerHTML).toMatch(/^<svg/), 30_000);
+    expect(one('invite-code').hidden).toBe(false);
+    expect(link().value).toBe(`https://kerf.example${LINK}`);
     expect(note()).toMatch(
       /Anyone with this link gets this role\. It expires on .*shown only once/,
     );
-    dialog.dispatch('close');
-    expect([one('invite-link').value, one('invite-link').hidden]).toEqual(['', true]);
-    expect([code.hidden, note()]).toEqual([true, '']);
+    root.querySelector('dialog')!.dispatchEvent(new Event('close'));
+    await turn();
+    expect([link().value, link().hidden]).toEqual(['', true]);
+    expect([one('invite-code').hidden, note()]).toEqual([true, '']);
   });
 
   it('says why there is no link', async () => {
     answerWith(403, { error: { code: 'forbidden', reason: 'a sculptor may not invite' } });
-    create();
+    await create();
     await vi.waitFor(() => expect(note()).toBe('A sculptor may not invite.'));
-    expect(one('invite-link').hidden).toBe(true);
+    expect(link().hidden).toBe(true);
   });
 });

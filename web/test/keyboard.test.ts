@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { listenToKeys, withoutPanels } from '../src/ui/keyboard';
-import type { KeyActions } from '../src/ui/keyboard';
+import type { Action } from '../src/ui/actions';
+import { listenToKeys } from '../src/ui/keyboard';
+import type { CameraKeys } from '../src/ui/keyboard';
 
-const NAMES = [
-  ...['preset', 'fit', 'orbit', 'pan', 'zoom', 'followNext', 'followNone', 'toggleArrows'],
-  ...['toggleGrid', 'toggleSound', 'toggleTimeline', 'toggleInspect', 'toggleParallel'],
-  ...['toggleCarve', 'undo', 'redo', 'help'],
-] as const;
+const KEYS: readonly [name: string, key: string][] = [
+  ['fit', 'F'],
+  ['unfollow', 'Escape'],
+  ['timeline', 'T'],
+  ['help', '?'],
+  ['undo', 'Ctrl+Z'],
+  ['redo', 'Ctrl+Shift+Z'],
+  ['programs', ''],
+];
 
 interface Press {
   key: string;
@@ -20,16 +25,19 @@ interface Press {
 
 describe('a key', () => {
   let called: string[];
-  let actions: KeyActions;
+  let actions: Action[];
+  let camera: CameraKeys;
   let down: (event: unknown) => void;
 
   beforeEach(() => {
     called = [];
-    const noted = NAMES.map((name) => [
-      name,
-      (...values: unknown[]) => called.push([name, ...values].join(' ')),
-    ]);
-    actions = Object.fromEntries(noted) as KeyActions;
+    const note =
+      (name: string) =>
+      (...values: unknown[]): void =>
+        void called.push([name, ...values].join(' '));
+    actions = KEYS.map(([name, key]) => ({ name, label: name, key, perform: note(name) }));
+    const moves = ['preset', 'orbit', 'pan', 'zoom'].map((name) => [name, note(name)]);
+    camera = Object.fromEntries(moves) as unknown as CameraKeys;
     vi.stubGlobal('window', {
       addEventListener: (_name: string, listener: typeof down) => (down = listener),
     });
@@ -44,18 +52,20 @@ describe('a key', () => {
     return preventDefault.mock.calls.length > 0;
   }
 
-  it('does as the help says', () => {
-    listenToKeys(actions);
-    for (const key of ['f', 'N', 'Escape', 'a', 'g', 's', 't', 'i', 'o', 'c', '?'])
-      expect(press({ key }), key).toBe(true);
-    expect(called).toEqual([
-      ...['fit', 'followNext', 'followNone', 'toggleArrows', 'toggleGrid', 'toggleSound'],
-      ...['toggleTimeline', 'toggleInspect', 'toggleParallel', 'toggleCarve', 'help'],
-    ]);
+  it('performs the action that has it, in either case', () => {
+    listenToKeys(camera, actions);
+    for (const key of ['f', 'F', 'Escape', 't', '?']) expect(press({ key }), key).toBe(true);
+    expect(called).toEqual(['fit', 'fit', 'unfollow', 'timeline', 'help']);
+  });
+
+  it('belongs to the browser where no action has it', () => {
+    listenToKeys(camera, actions);
+    for (const key of ['c', 'x', 'Tab', ' ']) expect(press({ key }), key).toBe(false);
+    expect(called).toEqual([]);
   });
 
   it('shows a view by its place on the keyboard, and the opposite one with Shift', () => {
-    listenToKeys(actions);
+    listenToKeys(camera, actions);
     press({ key: '&', code: 'Digit1' }); // a French keyboard
     press({ key: '1', code: 'Digit1', shiftKey: true });
     press({ key: '7', code: 'Numpad7' });
@@ -63,14 +73,14 @@ describe('a key', () => {
   });
 
   it('turns the picture by arrows, and moves it with Shift', () => {
-    listenToKeys(actions);
+    listenToKeys(camera, actions);
     press({ key: 'ArrowLeft' });
     press({ key: 'ArrowUp', shiftKey: true });
     expect(called).toEqual([`orbit ${-Math.PI / 24} 0`, 'pan 0 0.06']);
   });
 
   it('undoes and redoes with Ctrl or Cmd, and leaves other shortcuts to the browser', () => {
-    listenToKeys(actions);
+    listenToKeys(camera, actions);
     press({ key: 'z', ctrlKey: true });
     press({ key: 'Z', metaKey: true, shiftKey: true });
     press({ key: 'y', ctrlKey: true });
@@ -82,20 +92,16 @@ describe('a key', () => {
   });
 
   it('belongs to the field or the dialog in which it is pressed', () => {
-    listenToKeys(actions);
+    listenToKeys(camera, actions);
     expect(press({ key: 'c' }, true)).toBe(false);
     expect(press({ key: 'z', ctrlKey: true }, true)).toBe(false);
     expect(called).toEqual([]);
   });
 
-  it('changes nothing but the picture in the frame of another site', () => {
-    listenToKeys(withoutPanels(actions));
-    for (const key of ['c', 't', 'i', '?']) press({ key });
-    press({ key: 'z', ctrlKey: true });
-    press({ key: 'y', ctrlKey: true });
-    expect(called).toEqual([]);
-    press({ key: '7', code: 'Digit7' });
-    press({ key: 'f' });
-    expect(called).toEqual(['preset top', 'fit']);
+  it('zooms, without Ctrl', () => {
+    listenToKeys(camera, actions);
+    for (const key of ['+', '-']) press({ key });
+    expect(press({ key: '+', ctrlKey: true })).toBe(false);
+    expect(called).toEqual(['zoom 0.87', `zoom ${1 / 0.87}`]);
   });
 });

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+// @vitest-environment happy-dom
+import { h, render } from 'preact';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import type { SessionSummary } from '../src/link/api';
 import { SessionModel } from '../src/model/session';
-import { History } from '../src/ui/history';
+import { History } from '../src/ui/history/state';
+import { HistoryView } from '../src/ui/history/view';
 import { Cards } from '../src/ui/lobby/cards';
 import { fromFile } from '../src/ui/lobby/drafts';
-import { Lobby } from '../src/ui/lobby/lobby';
-import { FakeElement, stubPage } from './support/fake_dom';
-import { turn } from './support/turn';
+import { LobbyState } from '../src/ui/lobby/lobby_state';
+import { show } from './support/shown';
 
 function session(id: string, activeMs: number, motions = 1, removedVolumeMm3 = 5): SessionSummary {
   return { id, name: id, motions, removedVolumeMm3, participants: 0, activeMs };
@@ -18,8 +20,6 @@ let answers: Record<string, unknown>;
 let asked: string[];
 
 beforeEach(() => {
-  stubPage();
-  vi.stubGlobal('HTMLElement', FakeElement);
   answers = {};
   asked = [];
   vi.stubGlobal('fetch', (path: string) => {
@@ -31,67 +31,60 @@ beforeEach(() => {
     );
   });
 });
-afterEach(() => vi.unstubAllGlobals());
+afterEach(() => {
+  vi.unstubAllGlobals();
+  vi.useRealTimers();
+});
 
 describe('the cards of the lobby', () => {
-  const names = (cards: Cards): string[] =>
-    (cards.element as unknown as FakeElement).children.map(
-      (card) => /a|b|c/.exec(card.all('card-text')[0]!.children[0]!.textContent)![0],
-    );
+  let root: HTMLElement;
 
-  it('have the one that changed last first', () => {
-    const cards = new Cards();
-    cards.update([session('a', 1), session('b', 3), session('c', 2)], { close: null });
-    expect(names(cards)).toEqual(['b', 'c', 'a']);
-    cards.update([session('a', 9), session('b', 3), session('c', 2)], { close: null });
-    expect(names(cards)).toEqual(['a', 'b', 'c']);
-    const { changes } = cards.element as unknown as FakeElement;
-    cards.update([session('a', 9), session('b', 3), session('c', 2)], { close: null });
-    expect((cards.element as unknown as FakeElement).changes).toBe(changes);
+  beforeEach(() => {
+    root = document.createElement('div');
+  });
+  const update = (...sessions: SessionSummary[]): void =>
+    render(h(Cards, { sessions, close: null }), root);
+  const cards = (): Element[] => [...root.querySelectorAll('.card-place')];
+  const names = (): string[] => cards().map((one) => one.querySelector('strong')!.textContent);
+
+  it('have the one that changed last first, and move with their elements', () => {
+    update(session('a', 1), session('b', 3), session('c', 2));
+    expect(names()).toEqual(['b', 'c', 'a']);
+    const [, , a] = cards();
+    update(session('a', 9), session('b', 3), session('c', 2));
+    expect(names()).toEqual(['a', 'b', 'c']);
+    expect(cards()[0]).toBe(a);
   });
 
   it('show a new picture after an undo, which adds no motion', () => {
-    const cards = new Cards();
-    const shown = (): string => {
-      const place = (cards.element as unknown as FakeElement).children[0]!;
-      return (place.all('card-picture')[0] as unknown as { src: string }).src;
-    };
-    cards.update([session('a', 1)], { close: null });
-    cards.update([session('a', 1)], { close: null });
-    const before = shown();
-    cards.update([session('a', 2, 1, 4)], { close: null });
+    const shown = (): string => root.querySelector('img')!.src;
+    update(session('a', 1));
+    update(session('a', 1));
+    const before = shown(); // of the block at rest
+    update(session('a', 1));
+    expect(shown()).toBe(before);
+    update(session('a', 2, 1, 4));
     expect(shown()).not.toBe(before);
   });
 });
 
-describe('the alert of the lobby', () => {
+describe('the fault of the lobby', () => {
   it('stays when the list comes, unless it is of the list', async () => {
-    let poll = (): void => undefined;
-    vi.stubGlobal('setInterval', (action: () => void) => {
-      poll = action;
-      return 0;
-    });
-    Object.assign(document, { hidden: false, addEventListener: () => undefined });
-    vi.stubGlobal('localStorage', { getItem: () => null });
-    const app = new FakeElement();
-    new Lobby(app as unknown as HTMLElement, []);
-    await turn();
-    const fault = app.all('fault')[0]!;
-    expect(fault.textContent).toBe('The server is busy.'); // of the templates
+    vi.useFakeTimers();
+    const state = new LobbyState([]);
+    state.start();
+    const poll = (): Promise<unknown> => vi.advanceTimersByTimeAsync(3000);
+    await vi.advanceTimersByTimeAsync(0);
+    expect(state.fault.value).toBe('The server is busy.'); // of the templates
     answers = { '/v1/sessions': { sessions: [] } };
-    poll();
-    await turn();
-    expect(fault.textContent).toBe('The server is busy.');
-    expect(fault.hidden).toBe(false);
+    await poll();
+    expect(state.fault.value).toBe('The server is busy.');
     answers = {};
-    poll();
-    await turn();
-    expect(fault.textContent).toContain('503');
+    await poll();
+    expect(state.fault.value).toContain('503');
     answers = { '/v1/sessions': { sessions: [] } };
-    poll();
-    await turn();
-    expect(fault.textContent).toBe('');
-    expect(fault.hidden).toBe(true);
+    await poll();
+    expect(state.fault.value).toBe('');
   });
 });
 
@@ -107,7 +100,7 @@ describe('a program as the beginning of a block', () => {
     programmed_s: 5,
     machine_s: 6,
   };
-  const draftOf = (name: string) => fromFile(new File(['M30\n'], name), () => undefined, false);
+  const draftOf = (name: string) => fromFile(new File(['M30\n'], name), false);
 
   it('may have any name that the server reads', async () => {
     answers = { programs: derived };
@@ -126,24 +119,30 @@ describe('a program as the beginning of a block', () => {
 });
 
 describe('the list of strokes', () => {
-  it('is read again after an undo, which adds no motion', async () => {
-    answers = { strokes: { strokes: [] } };
+  const open = async (): Promise<{ model: SessionModel; root: HTMLElement }> => {
     const model = new SessionModel();
-    const history = new History(model, 'demo');
-    const show = (history.element as unknown as FakeElement).all('quiet-action')[0]!;
-    show.click();
-    await vi.waitFor(() => expect(asked).toHaveLength(1));
-    const tick = async (nowMs: number, removed_volume_mm3: number): Promise<void> => {
+    const root = show(h(HistoryView, { history: new History(model, 'demo', { selected: null }) }));
+    root.querySelector<HTMLElement>('[aria-expanded]')!.click();
+    await vi.waitFor(() => expect(asked).not.toHaveLength(0), 30_000);
+    return { model, root };
+  };
+
+  it('is read again after an undo, which adds no motion, and at most every 1.5 s', async () => {
+    answers = { strokes: { strokes: [] } };
+    const { model } = await open();
+    vi.useFakeTimers();
+    const change = async (removed_volume_mm3: number, afterMs: number): Promise<number> => {
       const plain = { motions: 7, state_hash: 'a', settled: true } as const;
       model.apply({ type: 'state', ...plain, removed_volume_mm3 });
-      history.update(null, nowMs);
-      await turn();
+      const before = asked.length;
+      await vi.advanceTimersByTimeAsync(afterMs);
+      return asked.length - before;
     };
-    await tick(10_000, 5);
-    await tick(20_000, 5);
-    const before = asked.length;
-    await tick(30_000, 4);
-    expect(asked).toHaveLength(before + 1);
+    expect(await change(5, 100)).toBe(1);
+    expect(await change(5, 10_000)).toBe(0);
+    expect(await change(4, 0)).toBe(1);
+    expect(await change(3, 1400)).toBe(0);
+    expect(await change(3, 200)).toBe(1);
   });
 
   it('has the names of participants who left before the page came', async () => {
@@ -152,9 +151,7 @@ describe('the list of strokes', () => {
       strokes: { strokes: [{ ...stroke, undone: false }] },
       authors: { authors: [{ participant: 3, name: 'Lin', color: '#778899', kind: 'agent' }] },
     };
-    const history = new History(new SessionModel(), 'demo');
-    const element = history.element as unknown as FakeElement;
-    element.all('quiet-action')[0]!.click();
-    await vi.waitFor(() => expect(element.all('strokes')[0]?.textContent).toContain('Lin'));
+    const { root } = await open();
+    await vi.waitFor(() => expect(root.querySelector('.strokes')?.textContent).toContain('Lin'));
   });
 });

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
+// @vitest-environment happy-dom
+import { h } from 'preact';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { SessionModel } from '../src/model/session';
 import { Authors } from '../src/ui/authors';
-import { OwnerTip } from '../src/ui/inspect/owner_tip';
+import { OwnerTip, OwnerTipView } from '../src/ui/inspect/owner_tip';
 import type { ParticipantInfo, Vec3 } from '../src/wire/types';
-import { FakeElement, stubPage } from './support/fake_dom';
+import { show } from './support/shown';
 import { turn } from './support/turn';
 
 const CUT = { record: 12, stroke: 9, participant: 2, tool: 1, begin_ms: 1e12, program: null };
 const AUTHORS = { authors: [{ participant: 2, name: 'Ada', color: '#d9541e', kind: 'agent' }] };
 
 describe('the tip that names who cut a point', () => {
-  let parent: FakeElement;
+  let root: HTMLElement;
   let tip: OwnerTip;
   let model: SessionModel;
   let asked: string[];
@@ -20,8 +22,6 @@ describe('the tip that names who cut a point', () => {
   let isOverBlock: boolean;
 
   beforeEach(() => {
-    stubPage();
-    parent = new FakeElement();
     asked = [];
     cut = CUT;
     status = 200;
@@ -37,7 +37,6 @@ describe('the tip that names who cut a point', () => {
     tip = new OwnerTip({
       model,
       session: 'demo',
-      parent: parent as unknown as HTMLElement,
       authors: new Authors(model, 'demo'),
       colorOf: (participant) => `#00000${participant}`,
       pick: (x, y) => {
@@ -50,14 +49,15 @@ describe('the tip that names who cut a point', () => {
           : null;
       },
     });
+    root = show(h(OwnerTipView, { tip }));
   });
   afterEach(() => vi.unstubAllGlobals());
 
   const shown = (): string => {
-    const box = parent.all('owner-tip')[0]!;
+    const box = root.querySelector<HTMLElement>('.owner-tip')!;
     return box.hidden ? '' : box.textContent;
   };
-  const color = (): FakeElement => parent.all('owner-color')[0]!;
+  const color = (): HTMLElement => root.querySelector('.owner-color')!;
   async function rest(x: number, y: number, atMs = 0): Promise<void> {
     tip.move(x, y, atMs);
     tip.update('1', 'still', atMs + 200);
@@ -70,7 +70,7 @@ describe('the tip that names who cut a point', () => {
     expect(asked).toEqual(['probe?at_mm=30,40,0&normal=0,0,1', 'authors']);
     expect(shown()).toMatch(/^Adano tool · stroke · Sep \d, 2001, \d\d:46:40$/);
     expect(color().hidden).toBe(false);
-    expect(color().getAttribute('style')).toBe('background:#000002');
+    expect(color().style.background).toBe('#000002');
   });
 
   it('names the program and its line instead', async () => {
@@ -129,10 +129,12 @@ describe('the tip that names who cut a point', () => {
     tip.update('1', 'still', 0);
     await rest(30, 40);
     tip.move(60, 40, 300);
+    await turn();
     expect(shown()).toBe('');
     await rest(90, 40, 1000);
     expect(shown()).toContain('Ada');
     tip.update('1', 'turned', 1300);
+    await turn();
     expect(shown()).toBe('');
     tip.update('1', 'turned', 1500); // at rest again
     await turn();
@@ -171,6 +173,7 @@ describe('the tip that names who cut a point', () => {
     await turn();
     expect(shown()).toContain('Ada');
     tip.press(90, 40);
+    await turn();
     expect(shown()).toBe('');
   });
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // @vitest-environment happy-dom
+import { h } from 'preact';
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import { setTarget } from '../src/link/targets';
 import type { SentPart, UnitAnswer } from '../src/link/targets';
-import { PartUnit } from '../src/ui/inspect/part_unit';
+import { PartUnit, PartUnitView } from '../src/ui/inspect/part_unit';
+import { press, show } from './support/shown';
+import { turn } from './support/turn';
 
 const IN_METERS: SentPart = {
   name: 'part.stl',
@@ -36,29 +39,31 @@ describe('the unit of a part', () => {
     const answers: UnitAnswer[] = [];
     const unit = new PartUnit((answer) => answers.push(answer));
     unit.ask(part);
-    const buttons = [...unit.element.querySelectorAll('button')];
-    return { unit, answers, buttons, texts: buttons.map(({ textContent }) => textContent) };
+    const root = show(h(PartUnitView, { unit }));
+    const buttons = [...root.querySelectorAll('button')];
+    return { unit, answers, root, buttons, texts: buttons.map(({ textContent }) => textContent) };
   }
 
-  it('is asked for with the size that each unit makes', () => {
-    const { unit, answers, buttons, texts } = ask(IN_METERS);
-    expect(unit.element.hidden).toBe(false);
+  it('is asked for with the size that each unit makes', async () => {
+    const { answers, root, buttons, texts } = ask(IN_METERS);
+    expect(root.querySelector('[role=alert]')!.textContent).toContain('right size?');
     expect(texts).toEqual(['mm: 0.040 mm', 'cm: 0.400 mm', 'inch: 1.016 mm', 'm: 40.000 mm']);
-    buttons[3]!.click();
+    await press(buttons[3]!);
     expect(answers).toEqual([{ unit: 'm', size_mm: 40 }]);
-    expect(unit.element.hidden).toBe(true);
+    expect(root.childElementCount).toBe(0);
   });
 
   it('may be a factor for a part of a thousand times the size', () => {
     expect(ask(HUGE).texts).toEqual(['mm: 40,000.000 mm', '× 0.001: 40.000 mm']);
   });
 
-  it('is not asked for where the size is likely, or without a part', () => {
-    expect(ask({ ...IN_METERS, questions: [] }).unit.element.hidden).toBe(true);
-    const { unit } = ask(IN_METERS);
+  it('is not asked for where the size is likely, or without a part', async () => {
+    expect(ask({ ...IN_METERS, questions: [] }).root.childElementCount).toBe(0);
+    const { unit, root } = ask(IN_METERS);
+    expect(root.childElementCount).toBe(1);
     unit.ask(null);
-    expect(unit.element.hidden).toBe(true);
-    expect(unit.element.childElementCount).toBe(0);
+    await turn();
+    expect(root.childElementCount).toBe(0);
   });
 
   it('is sent with the file', async () => {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // @vitest-environment happy-dom
 import { signal } from '@preact/signals';
+import { h } from 'preact';
 import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { SessionModel } from '../src/model/session';
 import { toolName } from '../src/model/tool_profile';
-import { peopleLists } from '../src/ui/people';
+import { People } from '../src/ui/people';
 import { PersonChoice } from '../src/ui/person_choice';
 import type { ParticipantInfo, ToolInfo, ToolState, Welcome } from '../src/wire/types';
+import { show } from './support/shown';
 import { turn } from './support/turn';
 
 const ada: ParticipantInfo = {
@@ -73,8 +75,7 @@ describe('the list of participants', () => {
   beforeEach(() => {
     vi.clearAllMocks();
     nowMs.value = 1000;
-    lists = peopleLists({ model, choice, nowMs, renamed });
-    document.body.replaceChildren(lists);
+    lists = show(h(People, { model, choice, nowMs, renamed }));
   });
 
   const people = (): string[] => [...lists.querySelectorAll('.people li')].map(textOf);

@@ -6,7 +6,7 @@ import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { SessionModel } from '../src/model/session';
 import type { TogetherHost } from '../src/ui/together/host';
 import { PinRows } from '../src/ui/together/rows';
-import { Section } from '../src/ui/together/section';
+import { TogetherSection } from '../src/ui/together/section';
 import { TogetherState } from '../src/ui/together/state';
 import type { TogetherPanel } from '../src/ui/together/together_panel';
 import type { Pin, Welcome } from '../src/wire/types';
@@ -39,7 +39,8 @@ beforeEach(() => {
       return viewer;
     },
   };
-  host = { model, session: 'wall', name: () => 'Ada', picture } as unknown as TogetherHost;
+  const shell = { isAiming: signal(false) };
+  host = { model, session: 'wall', name: () => 'Ada', picture, shell } as unknown as TogetherHost;
 });
 
 describe('the list of pins', () => {
@@ -106,7 +107,7 @@ describe('the buttons of the section', () => {
     state = new TogetherState();
     section = document.createElement('section');
     const panel = signal<TogetherPanel | null>(null);
-    render(h(Section, { host, state, panel, press }), section);
+    render(h(TogetherSection, { host, state, panel, press }), section);
   }
   const buttons = (): HTMLButtonElement[] => [...section.querySelectorAll('button')];
 
@@ -130,7 +131,7 @@ describe('the buttons of the section', () => {
     ];
     for (const button of [pin, share, picture, video]) button.click();
     expect(press.mock.calls.flat()).toEqual(['setPin', 'share', 'savePicture', 'saveVideo']);
-    state.isAiming.value = true;
+    host.shell.isAiming.value = true;
     state.isShared.value = true;
     state.recorded.value = 0.25;
     await turn();

@@ -1,50 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
+// @vitest-environment happy-dom
+import { h, render } from 'preact';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { ForceHistory } from '../src/model/forces';
 import { PlotSpot } from '../src/ui/plot_spot';
-import type { Plots } from '../src/ui/plots';
-import { stubPage } from './support/fake_dom';
+import type { Plots, PlotsProps } from '../src/ui/plots';
 import { turn } from './support/turn';
 
 const COLORS = { force: '#00f', torque: '#f00' };
+type Load = () => Promise<{ Plots: typeof Plots }>;
 
 describe('the place of the plots', () => {
+  let root: HTMLElement;
+
   beforeEach(() => {
-    stubPage();
+    root = document.createElement('div');
     vi.spyOn(console, 'warn').mockReturnValue(undefined);
   });
-  afterEach(() => {
-    vi.unstubAllGlobals();
-    vi.restoreAllMocks();
-  });
+  afterEach(() => vi.restoreAllMocks());
+
+  async function plot(load: Load, nowS: number | null): Promise<void> {
+    const history = new ForceHistory(1);
+    const plotted = nowS === null ? null : { colors: COLORS, history, nowS, felt: 1 };
+    render(h(PlotSpot, { plotted, load }), root);
+    await turn();
+  }
 
   it('loads the plots once there is something to plot, and shows all that follows', async () => {
     const shown: number[] = [];
-    class FakePlots {
-      readonly element = document.createElement('div');
-      show(_history: ForceHistory, nowS: number): void {
-        shown.push(nowS);
-      }
-    }
-    const load = vi.fn(() => Promise.resolve({ Plots: FakePlots as unknown as typeof Plots }));
-    const spot = new PlotSpot(COLORS, load);
+    const Fake = ({ nowS }: PlotsProps) => {
+      shown.push(nowS);
+      return h('b', {}, 'plots');
+    };
+    const load = vi.fn(() => Promise.resolve({ Plots: Fake }));
+    await plot(load, null);
     expect(load).not.toHaveBeenCalled();
-    spot.show(new ForceHistory(1), 10, 1);
-    spot.show(new ForceHistory(1), 10.1, 1);
-    await turn();
-    spot.show(new ForceHistory(1), 10.2, 1);
+    expect(root.textContent).toBe('No forces yet.');
+    for (const nowS of [10, 10.1, 10.2]) await plot(load, nowS);
     expect(load).toHaveBeenCalledTimes(1);
-    expect(shown).toEqual([10.2]);
-    expect(spot.element.textContent).toBe('');
+    expect(shown.at(-1)).toBe(10.2);
+    expect(root.textContent).toBe('plots');
   });
 
   it('tries again after 5 s where they did not load', async () => {
     const load = vi.fn(() => Promise.reject(new Error('offline')));
-    const spot = new PlotSpot(COLORS, load);
-    for (const nowS of [0, 1, 4.9, 5.1, 6]) {
-      spot.show(new ForceHistory(1), nowS, 1);
-      await turn();
-    }
+    for (const nowS of [0, 1, 4.9, 5.1, 6]) await plot(load, nowS);
     expect(load).toHaveBeenCalledTimes(2);
   });
 });

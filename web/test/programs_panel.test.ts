@@ -3,9 +3,12 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import golden from '../../tests/wire/golden/programs.json';
 import { SessionModel } from '../src/model/session';
+import type { ProgramsPanelHost } from '../src/ui/programs/host';
 import { ProgramsPanel } from '../src/ui/programs/programs_panel';
+import type { Shell } from '../src/ui/shell';
 import { parseControl } from '../src/wire/control';
 import type { ProgramInfo } from '../src/wire/types';
+import { emptyShell } from './support/shown';
 
 type Json = Record<string, unknown>;
 
@@ -103,11 +106,19 @@ describe('the panel of programs', () => {
     vi.unstubAllGlobals();
   });
 
+  /** Shows the panel. */
+  function show(more: Partial<ProgramsPanelHost>): Shell {
+    const shell = emptyShell();
+    const panel = new ProgramsPanel({ model: server.model, session: 'demo', shell, ...more });
+    shell.show(null, panel.view());
+    panel.toggle();
+    return shell;
+  }
+
   async function open(...programs: Json[]): Promise<void> {
     server.programs = programs;
     server.push();
-    const host = { model: server.model, session: 'demo' };
-    new ProgramsPanel(host, document.createElement('button')).toggle();
+    show({});
     await wait(1000);
   }
 
@@ -115,9 +126,8 @@ describe('the panel of programs', () => {
     const replayed: number[] = [];
     server.programs = [program(7)];
     server.push();
-    const opener = document.createElement('button');
     const replay = (one: ProgramInfo): number => replayed.push(one.id);
-    new ProgramsPanel({ model: server.model, session: 'demo', replay }, opener).toggle();
+    const shell = show({ replay });
     await wait(1000);
     const button = (): HTMLButtonElement => all<HTMLButtonElement>('program-play')[0]!;
     expect(button().textContent).toBe('Pause');
@@ -127,7 +137,7 @@ describe('the panel of programs', () => {
     expect(button().textContent).toBe('Play the cuts');
     button().click();
     expect(replayed).toEqual([7]);
-    expect(opener.getAttribute('aria-expanded')).toBe('false');
+    expect(shell.isProgramsOpen.value).toBe(false);
   });
 
   it('shows a rejected file until the user selects a program', async () => {

@@ -1,29 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { soundOf } from '../src/model/sound';
-import { SoundToggle } from '../src/ui/sound';
+import { Sound } from '../src/ui/sound';
 import type { SoundOutput } from '../src/view/sound_output';
-
-/** As much of a button as the toggle uses; there is no page in these tests. */
-class FakeElement {
-  private readonly attributes_ = new Map<string, string>();
-  private click_ = (): void => undefined;
-  innerHTML = '';
-
-  readonly append = (): void => undefined;
-  setAttribute(name: string, value: string): void {
-    this.attributes_.set(name, value);
-  }
-  getAttribute(name: string): string | null {
-    return this.attributes_.get(name) ?? null;
-  }
-  addEventListener(_name: string, action: () => void): void {
-    this.click_ = action;
-  }
-  click(): void {
-    this.click_();
-  }
-}
 
 /** An audio device that may be missing. */
 class FakeContext {
@@ -57,15 +36,15 @@ function create(): Promise<SoundOutput> {
   return Promise.resolve(OUTPUT as unknown as SoundOutput);
 }
 
-function toggleWith(output: () => Promise<SoundOutput>): SoundToggle {
-  return new SoundToggle(() => soundOf(null), output);
+function toggleWith(output: () => Promise<SoundOutput>): Sound {
+  return new Sound(() => soundOf(null), output);
 }
 
-function pressed(toggle: SoundToggle): string | null {
-  return toggle.button.getAttribute('aria-pressed');
+function pressed(toggle: Sound): boolean | undefined {
+  return toggle.action.isPressed?.();
 }
 
-describe('the button for sound', () => {
+describe('the action for sound', () => {
   beforeEach(() => {
     FakeContext.missing = false;
     FakeContext.created = [];
@@ -73,7 +52,6 @@ describe('the button for sound', () => {
     vi.stubGlobal('AudioContext', FakeContext);
     vi.stubGlobal('document', {
       hidden: false,
-      createElement: () => new FakeElement(),
       addEventListener: () => undefined,
     });
     vi.spyOn(console, 'warn').mockImplementation(() => undefined);
@@ -87,40 +65,40 @@ describe('the button for sound', () => {
 
   it('plays while it is pressed', async () => {
     const toggle = toggleWith(create);
-    toggle.button.click();
+    toggle.toggle();
     await vi.advanceTimersByTimeAsync(200);
-    expect([pressed(toggle), toggle.state?.context]).toEqual(['true', 'running']);
+    expect([pressed(toggle), toggle.state?.context]).toEqual([true, 'running']);
     const calls = OUTPUT.set.mock.calls.length;
     expect(calls).toBeGreaterThan(0);
-    toggle.button.click();
+    toggle.toggle();
     await vi.advanceTimersByTimeAsync(200);
-    expect([pressed(toggle), toggle.state?.context]).toEqual(['false', 'suspended']);
+    expect([pressed(toggle), toggle.state?.context]).toEqual([false, 'suspended']);
     expect(OUTPUT.set.mock.calls.length).toBe(calls);
   });
 
   it('stays off without an audio device, and tries again', async () => {
     FakeContext.missing = true;
     const toggle = toggleWith(create);
-    expect(() => toggle.button.click()).not.toThrow();
-    expect(() => toggle.button.click()).not.toThrow();
-    expect(pressed(toggle)).toBe('false');
+    expect(() => toggle.toggle()).not.toThrow();
+    expect(() => toggle.toggle()).not.toThrow();
+    expect(pressed(toggle)).toBe(false);
     FakeContext.missing = false;
-    toggle.button.click();
+    toggle.toggle();
     await vi.advanceTimersByTimeAsync(200);
-    expect([pressed(toggle), toggle.state?.context]).toEqual(['true', 'running']);
+    expect([pressed(toggle), toggle.state?.context]).toEqual([true, 'running']);
   });
 
   it('turns off if its code does not load, and loads it again', async () => {
     // vitest fails on a rejection that nothing handles.
     const load = vi.fn(create).mockRejectedValueOnce(new Error('offline'));
     const toggle = toggleWith(load);
-    toggle.button.click();
+    toggle.toggle();
     await vi.advanceTimersByTimeAsync(200);
-    expect([pressed(toggle), toggle.state]).toEqual(['false', null]);
+    expect([pressed(toggle), toggle.state]).toEqual([false, null]);
     expect(FakeContext.created.map((c) => c.state)).toEqual(['closed']);
-    toggle.button.click();
+    toggle.toggle();
     await vi.advanceTimersByTimeAsync(200);
     expect(load).toHaveBeenCalledTimes(2);
-    expect([pressed(toggle), toggle.state?.context]).toEqual(['true', 'running']);
+    expect([pressed(toggle), toggle.state?.context]).toEqual([true, 'running']);
   });
 });

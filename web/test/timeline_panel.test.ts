@@ -32,7 +32,7 @@ describe('the records of the timeline', () => {
       const body = path.includes('versions') ? { versions: [] } : { strokes: found };
       return Promise.resolve({ ok: true, json: () => Promise.resolve(body) });
     });
-    records = new Records('demo', vi.fn(), (problem) => failures.push(problem));
+    records = new Records('demo', (problem) => failures.push(problem));
   });
   afterEach(() => {
     vi.unstubAllGlobals();

@@ -1,98 +1,76 @@
 // SPDX-License-Identifier: Apache-2.0
-import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { ToolRack } from '../src/ui/tools/tool_rack';
+// @vitest-environment happy-dom
+import { h } from 'preact';
+import { beforeEach, describe, expect, it } from 'vitest';
+import { ToolRack, ToolRackView } from '../src/ui/tools/tool_rack';
 import type { ToolInfo } from '../src/wire/types';
-import { FakeElement, stubPage } from './support/fake_dom';
+import { buttonOf, enter, labelled, press, show } from './support/shown';
 
 const BALL: ToolInfo = { id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 };
 const FLAT: ToolInfo = { id: 4, shape: 'flat', diameter_mm: 8, length_mm: 30 };
 
 describe('the tools of a new block', () => {
   let rack: ToolRack;
-  let changes: number;
+  let root: HTMLElement;
 
-  beforeEach(() => {
-    stubPage();
-    Object.assign(document, {
-      createElementNS: (_space: string, tag: string) => new FakeElement(tag),
-    });
-    changes = 0;
-    rack = new ToolRack([BALL, FLAT], () => (changes += 1));
-  });
-  afterEach(() => vi.unstubAllGlobals());
+  function open(...tools: ToolInfo[]): void {
+    rack = new ToolRack(tools);
+    root = show(h(ToolRackView, { rack }));
+  }
+  beforeEach(() => open(BALL, FLAT));
 
-  /** All elements below one, in order. */
-  function below(element: FakeElement): FakeElement[] {
-    return element.children.flatMap((child) => [child, ...below(child)]);
-  }
-  function labelled(label: string): FakeElement {
-    const all = below(rack.element as unknown as FakeElement);
-    const found = all.find((one) => one.getAttribute('aria-label') === label);
-    if (!found) throw new Error(`nothing is called ${label}`);
-    return found;
-  }
-  const addTool = (): void =>
-    below(rack.element as unknown as FakeElement)
-      .find((one) => one.textContent === 'Add a tool')!
-      .click();
-  function enter(label: string, value: number): void {
-    const input = labelled(`${label}, mm`);
-    input.value = String(value);
-    input.dispatch('input');
-  }
+  const button = (label: string): HTMLButtonElement => labelled(root, label);
+  const addTool = (): Promise<void> => press(buttonOf(root, 'Add a tool'));
+  const enterMm = (label: string, value: number | ''): Promise<void> =>
+    enter(labelled<HTMLInputElement>(root, `${label}, mm`), String(value));
 
-  it('get a ball end mill with an id of its own', () => {
-    addTool();
+  it('get a ball end mill with an id of its own', async () => {
+    await addTool();
     expect(rack.tools.map(({ id, shape }) => [id, shape])).toEqual([
       [1, 'ball'],
       [4, 'flat'],
       [5, 'ball'],
     ]);
-    expect(changes).toBe(1);
-    expect(labelled('Outline of T5, ball 6 mm').getAttribute('aria-pressed')).toBe('true');
+    expect(button('Outline of T5, ball 6 mm').getAttribute('aria-pressed')).toBe('true');
   });
 
-  it('get an outline by numbers, with a point more and a line in place of the arc', () => {
-    addTool();
-    labelled('Add a point before point 3').click();
-    const edge = labelled('Line or arc to point 2');
-    edge.value = 'line';
-    edge.dispatch('change');
+  it('get an outline by numbers, with a point more and a line in place of the arc', async () => {
+    await addTool();
+    await press(button('Add a point before point 3'));
+    await enter(labelled<HTMLSelectElement>(root, 'Line or arc to point 2'), 'line');
     const outline = [
       [0, 0],
       [5, 0],
       [3, 4],
       [3, 30],
     ] as const;
-    outline.forEach(([r, z], n) => {
-      enter(`Radius of point ${n + 1}`, r);
-      enter(`Height of point ${n + 1}`, z);
-    });
+    for (const [n, [r, z]] of outline.entries()) {
+      await enterMm(`Radius of point ${n + 1}`, r);
+      await enterMm(`Height of point ${n + 1}`, z);
+    }
     expect(rack.tools.at(-1)).toEqual({ id: 5, shape: 'profile', profile_mm: outline });
-    labelled('Remove point 3').click();
+    await press(button('Remove point 3'));
     expect(rack.tools.at(-1)!.profile_mm).toHaveLength(3);
   });
 
-  it('keep the last valid entry where a number is invalid', () => {
-    labelled('Outline of T4, flat 8 mm').click();
-    const before = changes;
-    enter('Radius of point 2', Number.NaN);
-    expect(changes).toBe(before);
+  it('keep the last valid entry where a number is invalid', async () => {
+    await press(button('Outline of T4, flat 8 mm'));
+    await enterMm('Radius of point 2', '');
     expect(rack.tools[1]).toEqual(FLAT);
   });
 
-  it('go, with their outline, but for the last one', () => {
-    labelled('Outline of T1, ball 6 mm').click();
-    expect(labelled('Radius of point 1, mm').value).toBe('0');
-    labelled('Remove T1, ball 6 mm').click();
+  it('go, with their outline, but for the last one', async () => {
+    await press(button('Outline of T1, ball 6 mm'));
+    expect(labelled<HTMLInputElement>(root, 'Radius of point 1, mm').value).toBe('0');
+    await press(button('Remove T1, ball 6 mm'));
     expect(rack.tools).toEqual([FLAT]);
-    expect(() => labelled('Radius of point 1, mm')).toThrow('nothing is called');
-    expect(labelled('Remove T4, flat 8 mm').disabled).toBe(true);
+    expect(() => labelled(root, 'Radius of point 1, mm')).toThrow('nothing is called');
+    expect(button('Remove T4, flat 8 mm').disabled).toBe(true);
   });
 
   it('have no outline to edit where arcs are at odd places', () => {
-    rack = new ToolRack([{ ...BALL, shape: 'taper', half_angle_deg: 3 }, FLAT], () => undefined);
-    expect(labelled('Outline of T1, taper 6 mm').disabled).toBe(true);
-    expect(labelled('Outline of T4, flat 8 mm').disabled).toBe(false);
+    open({ ...BALL, shape: 'taper', half_angle_deg: 3 }, FLAT);
+    expect(button('Outline of T1, taper 6 mm').disabled).toBe(true);
+    expect(button('Outline of T4, flat 8 mm').disabled).toBe(false);
   });
 });

@@ -2,12 +2,14 @@
 // @vitest-environment happy-dom
 import { signal } from '@preact/signals';
 import type { Signal } from '@preact/signals';
+import { h } from 'preact';
 import { afterEach, beforeEach, describe, expect, it } from 'vitest';
 import type { Version } from '../src/link/history';
 import { SessionModel } from '../src/model/session';
-import { versionControls } from '../src/ui/timeline/versions';
-import type { VersionActions } from '../src/ui/timeline/versions';
+import { Versions } from '../src/ui/timeline/versions';
+import type { VersionActions, VersionsProps } from '../src/ui/timeline/versions';
 import type { Welcome } from '../src/wire/types';
+import { show } from './support/shown';
 import { turn } from './support/turn';
 
 const HALF: Version = {
@@ -32,7 +34,7 @@ describe('the versions of the timeline', () => {
     const actions = Object.fromEntries(
       names.map((name) => [name, (...values: unknown[]) => void calls.push([name, ...values])]),
     );
-    element = versionControls({
+    const props: VersionsProps = {
       model,
       records: {
         get versions() {
@@ -41,8 +43,8 @@ describe('the versions of the timeline', () => {
       },
       actions: actions as unknown as VersionActions,
       proposed: () => 'demo-12',
-    });
-    document.body.append(element);
+    };
+    element = show(h(Versions, props));
   });
   afterEach(() => element.remove());
 

@@ -3,6 +3,7 @@
 import type { SessionModel } from '../model/session';
 import type { OneOpen } from '../ui/one_open';
 import type { Picture } from '../ui/picture';
+import type { Shell } from '../ui/shell';
 import type { AgentLink, CarveLinkEvents } from './carve_link';
 
 /** The parts of the page that carving uses. */
@@ -15,10 +16,8 @@ export interface CarveHost {
   canvas: HTMLElement;
   /** Over the picture; does not take the pointer. */
   overlay: HTMLElement;
-  toolbar: HTMLElement;
+  shell: Shell;
   oneOpen: OneOpen;
-  /** The bar was opened or closed, and covers another part of the picture. */
-  layoutChanged: () => void;
   /** Makes the link to a block that the page itself carves; missing: a server does. */
   linkHere?: (events: CarveLinkEvents) => AgentLink;
   /** Says why something is not done. */

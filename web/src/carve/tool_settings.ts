@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The user's choices, shown in the bar: the tool, how it follows the pointer, and its depth.
 
+import { signal } from '@preact/signals';
 import { toolProfile } from '../model/tool_profile';
 import type { ToolInfo, Welcome } from '../wire/types';
 import { LEAN_MAX_RAD } from './aim';
@@ -8,7 +9,6 @@ import type { AimMode } from './aim';
 import { DRAG_STRENGTHS } from './drag';
 import type { DragStrength } from './drag';
 import { recall, remember } from '../strings/memory';
-import type { CarveBar } from './carve_bar';
 import type { Hand } from './hand';
 
 const DEPTH_OF_RADIUS = 0.5; // at the start, of the tool's radius
@@ -26,28 +26,31 @@ export interface SettingsHost {
 
 export class ToolSettings {
   private welcome_: Welcome | null = null; // for which the rack was filled
-  private tool_: ToolInfo | null = null;
-  private depthMm_ = 1;
+  readonly mode = signal<AimMode>('surface');
+  readonly leans = signal(false);
+  readonly drag = signal<DragStrength>(DEFAULT_DRAG);
+  /** The depth and its bounds, mm. */
+  readonly depth = signal({ mm: 1, least: 0.1, most: 10 });
+  private readonly tools_ = signal<readonly ToolInfo[]>([]);
+  private readonly tool_ = signal<ToolInfo | null>(null);
 
   constructor(
     private readonly hand: Hand,
-    private readonly bar: Pick<
-      CarveBar,
-      'setTools' | 'setTool' | 'setMode' | 'setDrag' | 'setDepth'
-    >,
     private readonly host: SettingsHost,
   ) {}
 
+  /** The chosen tool, as a signal's value. */
   get tool(): ToolInfo | null {
-    return this.tool_;
+    return this.tool_.value;
   }
 
+  /** The tools of the session, as a signal's value. */
   get tools(): readonly ToolInfo[] {
-    return this.welcome_?.tools ?? [];
+    return this.tools_.value;
   }
 
   get depthMm(): number {
-    return this.depthMm_;
+    return this.depth.value.mm;
   }
 
   /** Fills the rack for a session that was joined, once. */
@@ -55,32 +58,36 @@ export class ToolSettings {
     if (welcome === this.welcome_) return;
     this.welcome_ = welcome;
     const known = DRAG_STRENGTHS.find((one) => one === recall(DRAG));
-    this.hand.drag.strength = known ?? DEFAULT_DRAG;
-    this.bar.setDrag(this.hand.drag.strength);
-    this.bar.setTools(welcome.tools);
-    const tool = welcome.tools.find(({ id }) => id === this.tool_?.id) ?? welcome.tools[0];
+    this.hold_(known ?? DEFAULT_DRAG);
+    this.tools_.value = welcome.tools;
+    const before = this.tool_.peek();
+    const tool = welcome.tools.find(({ id }) => id === before?.id) ?? welcome.tools[0];
     if (!tool) return;
-    if (!this.tool_) this.depthMm_ = DEPTH_OF_RADIUS * toolProfile(tool).radiusMm;
+    if (!before)
+      this.depth.value = {
+        ...this.depth.peek(),
+        mm: DEPTH_OF_RADIUS * toolProfile(tool).radiusMm,
+      };
     this.chooseTool(tool.id);
     this.showMode_();
   }
 
   chooseTool(id: number): void {
-    const tool = this.tools.find((one) => one.id === id);
+    const tool = this.tools_.peek().find((one) => one.id === id);
     if (!tool) return;
     this.host.changes();
     // The hello names the first one.
-    if (this.tool_ && id !== this.tool_.id) this.hand.sampler.ask({ type: 'tool', tool: id });
-    this.tool_ = tool;
+    const before = this.tool_.peek();
+    if (before && id !== before.id) this.hand.sampler.ask({ type: 'tool', tool: id });
+    this.tool_.value = tool;
     this.hand.takeTool(tool, this.host.color(), this.welcome_!);
-    this.bar.setTool(id);
-    this.setDepth(this.depthMm_);
+    this.setDepth(this.depth.peek().mm);
   }
 
   /** Takes the next tool of the rack, or the one before. */
   nextTool(step: 1 | -1): void {
-    const ids = this.tools.map(({ id }) => id);
-    const at = ids.indexOf(this.tool_?.id ?? 0) + step;
+    const ids = this.tools_.peek().map(({ id }) => id);
+    const at = ids.indexOf(this.tool_.peek()?.id ?? 0) + step;
     const id = ids[(at + ids.length) % ids.length];
     if (id !== undefined) this.chooseTool(id);
   }
@@ -102,27 +109,31 @@ export class ToolSettings {
 
   /** The next strength of the drag by the cutting force. */
   nextDrag(): void {
-    const { drag } = this.hand;
-    const at = DRAG_STRENGTHS.indexOf(drag.strength) + 1;
-    drag.strength = DRAG_STRENGTHS[at % DRAG_STRENGTHS.length]!;
-    remember(DRAG, drag.strength);
-    this.bar.setDrag(drag.strength);
+    const at = DRAG_STRENGTHS.indexOf(this.drag.peek()) + 1;
+    this.hold_(DRAG_STRENGTHS[at % DRAG_STRENGTHS.length]!);
+    remember(DRAG, this.drag.peek());
   }
 
   setDepth(mm: number): void {
-    if (!this.tool_ || !this.welcome_) return;
-    const { lengthMm, radiusMm } = toolProfile(this.tool_);
+    const tool = this.tool_.peek();
+    if (!tool || !this.welcome_) return;
+    const { lengthMm, radiusMm } = toolProfile(tool);
     const most = Math.min(lengthMm, DEEPEST_RADII * radiusMm);
     const least = Math.min(this.welcome_.pitch_mm, most / 2) / 2;
-    this.depthMm_ = Math.min(most, Math.max(least, mm));
-    this.hand.settings.depthMm = this.depthMm_;
-    this.bar.setDepth(this.depthMm_, [least, most]);
+    this.depth.value = { mm: Math.min(most, Math.max(least, mm)), least, most };
+    this.hand.settings.depthMm = this.depth.peek().mm;
     this.hand.hoverAgain(this.host.isJoined());
+  }
+
+  private hold_(strength: DragStrength): void {
+    this.hand.drag.strength = strength;
+    this.drag.value = strength;
   }
 
   private showMode_(): void {
     const { mode, leanMaxRad } = this.hand.settings;
-    this.bar.setMode(mode, leanMaxRad > 0);
+    this.mode.value = mode;
+    this.leans.value = leanMaxRad > 0;
     this.hand.hoverAgain(this.host.isJoined());
   }
 }

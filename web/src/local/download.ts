@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gives the user a file.
+// Saves models among the user's downloads.
 
-import { h } from '../ui/dom';
+import { saveFile } from '../ui/save_file';
 import type { TakeHomeFormat } from './program_block';
 
 const TYPE = 'application/octet-stream';
 
 export function download(name: string, content: Uint8Array<ArrayBuffer> | Blob): void {
-  const url = URL.createObjectURL(new Blob([content], { type: TYPE }));
-  h('a', { href: url, download: name }).click();
-  setTimeout(() => URL.revokeObjectURL(url), 60_000);
+  saveFile(name, new Blob([content], { type: TYPE }));
 }
 
 /** Gives the user a model that the kernel for pages has written. */

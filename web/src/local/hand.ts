@@ -3,10 +3,10 @@
 
 import { t } from '../strings';
 import type { CarveLinkEvents } from '../carve/carve_link';
-import { mountCarve } from '../carve/mount';
-import type { CarveSwitch } from '../carve/mount';
+import { CarvePart } from '../carve/part';
 import type { CarveHost } from '../carve/host';
 import type { SessionModel } from '../model/session';
+import type { ButtonAction } from '../ui/actions';
 import type { ParticipantInfo } from '../wire/types';
 import { recall } from '../strings/memory';
 import { forgetStrokes, keepStrokes } from './autosave';
@@ -29,7 +29,9 @@ export interface HandHost extends Omit<CarveHost, 'session' | 'name' | 'linkHere
 }
 
 export class LocalHand {
-  private readonly switch_: CarveSwitch;
+  readonly carve: CarvePart;
+  /** The action that begins and ends carving. */
+  readonly action: ButtonAction;
   private link_: HandLink | null = null;
   private people_: readonly ParticipantInfo[] = [];
   private own_: ParticipantInfo | null = null; // once it has carved this block
@@ -40,29 +42,30 @@ export class LocalHand {
   private asked_: ('file' | 'autosave')[] = [];
 
   constructor(private readonly host: HandHost) {
-    this.switch_ = mountCarve({
+    this.carve = new CarvePart({
       ...host,
       session: '',
       name: () => this.name_(),
       linkHere: (events) => this.makeLink_(events),
     });
+    this.action = { ...this.carve.action, perform: () => this.toggle() };
     window.addEventListener('beforeunload', (event) => {
       if (!this.isSaved_) event.preventDefault(); // the browser asks
     });
   }
 
   get isActive(): boolean {
-    return this.switch_.isActive();
+    return this.carve.isActive;
   }
 
   /** Whether the block does not have everything yet that the hand has done. */
   get isBusy(): boolean {
-    return this.switch_.isBusy();
+    return this.carve.isBusy;
   }
 
   /** Whether a tool is in the hand, in the page or in a headset. */
   get hasTool(): boolean {
-    return this.isActive || this.switch_.vr() !== null;
+    return this.isActive || this.carve.vrState !== null;
   }
 
   /** Whether another block may take the place of this one: strokes that are in no file would go. */
@@ -75,16 +78,12 @@ export class LocalHand {
   }
 
   toggle(): void {
-    if (this.isActive || this.host.whyNot() === '') this.switch_.toggle();
+    if (this.isActive || this.host.whyNot() === '') this.carve.toggle();
     else this.host.say(this.host.whyNot());
   }
 
   leave(): void {
-    if (this.isActive) this.switch_.toggle();
-  }
-
-  update(): void {
-    this.switch_.update();
+    if (this.isActive) this.carve.toggle();
   }
 
   /** Another block takes the place of the one before; `people`: who has carved it, a program too. */

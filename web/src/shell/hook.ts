@@ -52,7 +52,7 @@ export function installHook(page: SessionPage): void {
     sound: page.sound.state,
   });
   const copyHash = () => page.carve.copyHash();
-  const vr = () => page.carve.vr();
+  const vr = () => page.carve.vrState;
   const surface = () => page.picture.viewer?.surface() ?? [];
   Object.defineProperty(window, 'kerf', {
     value: Object.freeze({ state, surface, marks, copyHash, vr }),

@@ -8,7 +8,7 @@ import { viewerName } from '../link/viewer_name';
 import { sentence } from '../ui/format';
 import { frameLimit } from '../ui/frames';
 import { t } from '../strings';
-import { failurePage } from '../ui/notice';
+import { showFailure } from '../ui/notice';
 import { showSessions } from './session_list';
 import { SessionPage } from './session_page';
 
@@ -39,7 +39,7 @@ export async function showPage(): Promise<void> {
   const session = parameters.get('session');
   if (!session && parameters.has('embed')) {
     const text = t('The address of an embedded page needs session=ID and embed.');
-    app.replaceChildren(failurePage(t('No session chosen'), text, []));
+    showFailure(app, { title: t('No session chosen'), text });
     return;
   }
   const invitation = invitationIn(location.hash);
@@ -51,13 +51,10 @@ export async function showPage(): Promise<void> {
         ? null
         : await redeemInvitation(session, invitation, viewerName(parameters));
     if (problem !== null) {
-      app.replaceChildren(
-        failurePage(
-          t('This invitation does not work'),
-          t('{0} Ask an owner of the session for a new link.', sentence(problem)),
-          [],
-        ),
-      );
+      showFailure(app, {
+        title: t('This invitation does not work'),
+        text: t('{0} Ask an owner of the session for a new link.', sentence(problem)),
+      });
       return;
     }
     openSession(app, session, parameters);

@@ -4,7 +4,7 @@
 import { t } from '../strings';
 import { InvitationNeeded, listSessions } from '../link/api';
 import type { SessionSummary } from '../link/api';
-import { failurePage } from '../ui/notice';
+import { showFailure } from '../ui/notice';
 
 /** Shows the list and returns null, or returns the id of the only session, unless `always`. */
 export async function showSessions(app: HTMLElement, always: boolean): Promise<string | null> {
@@ -13,20 +13,19 @@ export async function showSessions(app: HTMLElement, always: boolean): Promise<s
     sessions = await listSessions();
   } catch (problem) {
     if (problem instanceof InvitationNeeded) {
-      app.replaceChildren(failurePage(t('By invitation only'), problem.message, []));
+      showFailure(app, { title: t('By invitation only'), text: problem.message });
       return null;
     }
     const text = t(
       '{0} Check that kerf-server is running at this address.',
       (problem as Error).message,
     );
-    app.replaceChildren(
-      failurePage(t('No connection'), text, [{ label: t('Try again'), href: '?' }]),
-    );
+    const actions = [{ label: t('Try again'), href: '?' }];
+    showFailure(app, { title: t('No connection'), text, actions });
     return null;
   }
   if (sessions.length === 1 && !always) return sessions[0]!.id;
-  const { Lobby } = await import('../ui/lobby/lobby');
-  new Lobby(app, sessions);
+  const { showLobby } = await import('../ui/lobby/lobby');
+  showLobby(app, sessions);
   return null;
 }

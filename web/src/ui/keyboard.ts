@@ -1,26 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keyboard shortcuts (help.ts lists them for the user).
+// Keyboard shortcuts (help.tsx lists them for the user).
 
 import type { Preset } from '../view/camera_rig';
+import type { Action } from './actions';
 
-export interface KeyActions {
+/** Moves of the camera by keys. */
+export interface CameraKeys {
   preset: (preset: Preset) => void;
-  fit: () => void;
   orbit: (aroundRad: number, upRad: number) => void;
   pan: (right: number, up: number) => void;
   zoom: (factor: number) => void;
-  followNext: () => void;
-  followNone: () => void;
-  toggleArrows: () => void;
-  toggleGrid: () => void;
-  toggleSound: () => void;
-  toggleTimeline: () => void;
-  toggleInspect: () => void;
-  toggleParallel: () => void;
-  toggleCarve: () => void;
-  undo: () => void;
-  redo: () => void;
-  help: () => void;
 }
 
 const TURN_RAD = Math.PI / 24;
@@ -49,96 +38,54 @@ const ARROWS: Record<string, [x: number, y: number]> = {
   ArrowDown: [0, -1],
 };
 
-function actionOf(event: KeyboardEvent, actions: KeyActions): (() => void) | null {
+const ZOOMS: Record<string, number> = {
+  '+': ZOOM_FACTOR,
+  '=': ZOOM_FACTOR,
+  '-': 1 / ZOOM_FACTOR,
+  _: 1 / ZOOM_FACTOR,
+};
+
+/** The move of the camera that a key means; null: none. */
+function moveOf(event: KeyboardEvent, camera: CameraKeys): (() => void) | null {
   const view = VIEWS[event.code];
-  if (view) return () => actions.preset(view[event.shiftKey ? 1 : 0]);
+  if (view) return () => camera.preset(view[event.shiftKey ? 1 : 0]);
   const arrow = ARROWS[event.key];
-  if (arrow) {
+  if (arrow)
     return event.shiftKey
-      ? () => actions.pan(arrow[0] * PAN_FRACTION, arrow[1] * PAN_FRACTION)
-      : () => actions.orbit(arrow[0] * TURN_RAD, arrow[1] * TURN_RAD);
-  }
-  switch (event.key) {
-    case 'f':
-    case 'F':
-      return actions.fit;
-    case '+':
-    case '=':
-      return () => actions.zoom(ZOOM_FACTOR);
-    case '-':
-    case '_':
-      return () => actions.zoom(1 / ZOOM_FACTOR);
-    case 'n':
-    case 'N':
-      return actions.followNext;
-    case 'Escape':
-      return actions.followNone;
-    case 'a':
-    case 'A':
-      return actions.toggleArrows;
-    case 'g':
-    case 'G':
-      return actions.toggleGrid;
-    case 's':
-    case 'S':
-      return actions.toggleSound;
-    case 't':
-    case 'T':
-      return actions.toggleTimeline;
-    case 'i':
-    case 'I':
-      return actions.toggleInspect;
-    case 'o':
-    case 'O':
-      return actions.toggleParallel;
-    case 'c':
-    case 'C':
-      return actions.toggleCarve;
-    case '?':
-      return actions.help;
-    default:
-      return null;
-  }
+      ? () => camera.pan(arrow[0] * PAN_FRACTION, arrow[1] * PAN_FRACTION)
+      : () => camera.orbit(arrow[0] * TURN_RAD, arrow[1] * TURN_RAD);
+  const zoom = ZOOMS[event.key];
+  return zoom === undefined ? null : () => camera.zoom(zoom);
 }
 
 function isCommand(event: KeyboardEvent): boolean {
   return event.ctrlKey || event.metaKey || event.altKey;
 }
 
-/** Ctrl (on a Mac, Cmd) with Z, Shift + Z or Y; other combinations belong to the browser. */
-function commandOf(event: KeyboardEvent, actions: KeyActions): (() => void) | null {
-  if (event.altKey) return null;
-  const key = event.key.toLowerCase();
-  if (key === 'z') return event.shiftKey ? actions.redo : actions.undo;
-  return key === 'y' ? actions.redo : null;
-}
-
-const NOTHING = (): void => undefined;
-
-/** Those of a page that shows nothing but the picture, in the frame of another site. */
-export function withoutPanels(actions: KeyActions): KeyActions {
-  return {
-    ...actions,
-    toggleTimeline: NOTHING,
-    toggleInspect: NOTHING,
-    toggleCarve: NOTHING,
-    undo: NOTHING,
-    redo: NOTHING,
-    help: NOTHING,
-  };
+/**
+ * A key as Action.key names it. Cmd of a Mac is Ctrl, and Ctrl+Y is Ctrl+Shift+Z; combinations that
+ * no action has belong to the browser.
+ */
+function nameOf(event: KeyboardEvent): string {
+  const key = event.key.length === 1 ? event.key.toUpperCase() : event.key;
+  if (!isCommand(event)) return key;
+  if (event.altKey) return `Alt+${key}`;
+  if (key === 'Y') return 'Ctrl+Shift+Z';
+  return event.shiftKey ? `Ctrl+Shift+${key}` : `Ctrl+${key}`;
 }
 
 /**
  * Handles key presses on the whole page, except in input fields and dialogs, and except browser
  * shortcuts.
  */
-export function listenToKeys(actions: KeyActions): void {
+export function listenToKeys(camera: CameraKeys, actions: readonly Action[]): void {
   window.addEventListener('keydown', (event) => {
     const target = event.target as HTMLElement;
     if (target.closest('input, textarea, select, dialog')) return;
-    const action = isCommand(event) ? commandOf(event, actions) : actionOf(event, actions);
-    if (!action) return;
+    const move = isCommand(event) ? null : moveOf(event, camera);
+    const perform = move ?? actions.find(({ key }) => key === nameOf(event))?.perform;
+    if (!perform) return;
     event.preventDefault();
-    action();
+    perform();
   });
 }

@@ -3,7 +3,6 @@
 // Pressing a name follows that tool and plots its forces.
 
 import type { ReadonlySignal } from '@preact/signals';
-import { render } from 'preact';
 import { t } from '../strings';
 import { roleName } from '../strings/names';
 import { toolName } from '../model/tool_profile';
@@ -11,7 +10,6 @@ import type { Participant } from '../model/participants';
 import type { SessionModel } from '../model/session';
 import { STATUS_COLLIDING, STATUS_CUTTING } from '../wire/types';
 import type { ParticipantInfo } from '../wire/types';
-import { h } from './dom';
 import { feltBeside } from './format';
 import type { PersonChoice } from './person_choice';
 import { Watchers } from './watchers';
@@ -84,10 +82,11 @@ function Person({ model, choice, nowMs, participant }: PeopleProps & { participa
   );
 }
 
-function People(props: PeopleProps) {
+/** The lists of the participants. */
+export function People(props: PeopleProps) {
   const carvers = props.model.participants.carvers();
   return (
-    <>
+    <div>
       <ul class="people">
         {carvers.map((participant) => (
           <Person key={participant.info.participant} {...props} participant={participant} />
@@ -95,13 +94,6 @@ function People(props: PeopleProps) {
         {carvers.length === 0 && <li class="quiet">{t('Nobody is carving.')}</li>}
       </ul>
       <Watchers {...props} />
-    </>
+    </div>
   );
-}
-
-/** Returns the lists of the participants. */
-export function peopleLists(props: PeopleProps): HTMLElement {
-  const root = h('div');
-  render(<People {...props} />, root);
-  return root;
 }

@@ -38,8 +38,7 @@ const EXACT_WITHIN_MS = 60_000;
 export type LoadViewer = () => Promise<typeof import('../view/viewer')>;
 
 export class Picture {
-  /** Why there is no picture; empty: there is one, or will be. */
-  problem = '';
+  private readonly problem_ = signal('');
   private readonly viewer_ = signal<Viewer | null>(null);
   private readonly exactFor_ = new Set<object>();
   private readonly rest_ = new Rest();
@@ -54,7 +53,7 @@ export class Picture {
   private preset_: StockMaterialPreset | null = null;
   private navigation_: Navigation | null = null;
   private readonly followed_ = signal<number | null>(null);
-  private arrowsVisible_ = true;
+  private readonly arrowsVisible_ = signal(true);
 
   /** @param fullQuality draw every frame at full quality and get exact tiles, regardless of speed */
   constructor(
@@ -71,10 +70,20 @@ export class Picture {
     return this.viewer_.value;
   }
 
+  /** Why there is no picture, as a signal's value; empty: there is one, or will be. */
+  get problem(): string {
+    return this.problem_.value;
+  }
+
   /** Opens the view of a session that was joined, or prepares it for one joined again. */
   welcome(welcome: Welcome): void {
     if (this.viewer) this.viewer.welcome(welcome);
     else this.opening_ ??= this.open_();
+  }
+
+  /** Resolves when the view of the session that was joined is open, or cannot be opened. */
+  async opened(): Promise<void> {
+    await this.opening_;
   }
 
   /** Has all tiles exact, however far away, as long as `user` needs them. */
@@ -155,6 +164,11 @@ export class Picture {
     this.viewer?.resize(viewport);
   }
 
+  /** Of the picture, CSS pixels. */
+  get width(): number {
+    return this.viewport_.width;
+  }
+
   setMaterial(preset: StockMaterialPreset): void {
     this.preset_ = preset;
     this.viewer?.setMaterial(preset);
@@ -176,11 +190,11 @@ export class Picture {
   }
 
   get arrowsVisible(): boolean {
-    return this.arrowsVisible_;
+    return this.arrowsVisible_.value;
   }
 
   set arrowsVisible(visible: boolean) {
-    this.arrowsVisible_ = visible;
+    this.arrowsVisible_.value = visible;
     if (this.viewer) this.viewer.arrowsVisible = visible;
   }
 
@@ -237,13 +251,13 @@ export class Picture {
       viewer.resize(this.viewport_);
       if (this.preset_) viewer.setMaterial(this.preset_);
       if (this.navigation_) viewer.rig.navigation = this.navigation_;
-      viewer.arrowsVisible = this.arrowsVisible_;
+      viewer.arrowsVisible = this.arrowsVisible_.peek();
       viewer.follow(this.followed_.value);
       if (this.model.welcome) viewer.welcome(this.model.welcome);
       this.viewer_.value = viewer;
     } catch (problem) {
       console.warn(problem);
-      this.problem = (problem as Error).message;
+      this.problem_.value = (problem as Error).message;
     }
   }
 }

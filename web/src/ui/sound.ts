@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The button that turns sound on and off. Off by default: browsers play nothing without a gesture,
-// and a page must not make noise unasked. Silent while the page is hidden.
+// Sound and the action that turns it on and off. Off by default: browsers play nothing without a
+// gesture, and a page must not make noise unasked. Silent while the page is hidden.
 
+import { signal } from '@preact/signals';
 import { t } from '../strings';
 import type { SoundLevels } from '../model/sound';
 import type { SoundOutput } from '../view/sound_output';
-import { iconButton } from './dom';
+import type { ButtonAction } from './actions';
 import { ICONS } from './icons';
 
 const UPDATE_MS = 50;
@@ -16,9 +17,13 @@ async function createOutput(context: AudioContext): Promise<SoundOutput> {
   return new SoundOutput(context);
 }
 
-export class SoundToggle {
-  readonly button: HTMLButtonElement;
-  private on_ = false;
+export class Sound {
+  readonly isOn = signal(false);
+  readonly action: ButtonAction = {
+    ...{ name: 'sound', label: t('Sound'), key: 'S', icon: ICONS.sound },
+    isPressed: () => this.isOn.value,
+    perform: () => this.toggle(),
+  };
   private timer_: ReturnType<typeof setInterval> | undefined;
   private context_: AudioContext | null = null;
   private output_: SoundOutput | null = null;
@@ -28,15 +33,14 @@ export class SoundToggle {
     private readonly levels: () => SoundLevels,
     private readonly create = createOutput,
   ) {
-    this.button = iconButton(ICONS.sound, t('Sound'), 'S', () => this.toggle());
-    this.button.setAttribute('aria-pressed', 'false');
     document.addEventListener('visibilitychange', () => this.follow_());
   }
 
   /** Turns sound on or off. Where sound cannot be had it stays off; the next call tries again. */
   toggle(): void {
-    if (!this.on_ && !this.context_ && !this.open_()) return;
-    this.turn_(!this.on_);
+    const isOn = this.isOn.peek();
+    if (!isOn && !this.context_ && !this.open_()) return;
+    this.turn_(!isOn);
   }
 
   /** State of the audio context and present gains, for tests; null before sound was turned on. */
@@ -70,13 +74,12 @@ export class SoundToggle {
   }
 
   private turn_(on: boolean): void {
-    this.on_ = on;
-    this.button.setAttribute('aria-pressed', String(on));
+    this.isOn.value = on;
     this.follow_();
   }
 
   private follow_(): void {
-    const plays = this.on_ && !document.hidden;
+    const plays = this.isOn.peek() && !document.hidden;
     // Both reject where the device went away; the button then has no effect until it is back.
     const followed = plays ? this.context_?.resume() : this.context_?.suspend();
     followed?.catch(() => undefined);

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
+// @vitest-environment happy-dom
+import { signal } from '@preact/signals';
+import { h } from 'preact';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { NO_FILES } from '../../src/local/given_files';
 import type { About, Progress } from '../../src/local/program_block';
 import { SidePanel } from '../../src/local/side_panel';
-import type { SideActions } from '../../src/local/side_panel';
-import type { FakeElement } from '../support/fake_dom';
-import { stubPage } from '../support/fake_dom';
+import { LocalState } from '../../src/local/state';
+import { SessionModel } from '../../src/model/session';
+import type { Picture } from '../../src/ui/picture';
+import { TextState } from '../../src/ui/programs/text_state';
+import { Transport } from '../../src/ui/timeline/transport';
 import { fakeMouse } from '../support/fake_space_mouse';
+import { emptyShell } from '../support/shown';
+import { turn } from '../support/turn';
 
 const ABOUT: About = {
   ...{ name: 'Bowl', rays: 'dexel', pitch_mm: 0.2, tolerance_mm: 0.01, pivot_mm: 20 },
@@ -23,24 +29,23 @@ describe('the panel of the page without a server', () => {
   let stored: Map<string, string>;
 
   beforeEach(() => {
-    stubPage();
     frames = [];
     stored = new Map();
-    Object.assign(document, { hasFocus: () => true });
+    vi.spyOn(document, 'hasFocus').mockReturnValue(true);
+    vi.stubGlobal('navigator', { language: 'en' });
     vi.stubGlobal('localStorage', {
       getItem: (key: string) => stored.get(key) ?? null,
       setItem: (key: string, value: string) => stored.set(key, value),
     });
     vi.stubGlobal('requestAnimationFrame', (act: (nowMs: number) => void) => frames.push(act));
   });
-  afterEach(() => vi.unstubAllGlobals());
+  afterEach(() => {
+    vi.unstubAllGlobals();
+    vi.restoreAllMocks();
+  });
 
-  /** Makes a panel that records the moves of its 3D mouse in `moves`. */
-  function make(isBusy: () => boolean): {
-    preferences: FakeElement;
-    moves: string[];
-    panel: SidePanel;
-  } {
+  /** Shows a panel that records the moves of its 3D mouse in `moves`. */
+  function make(isBusy = (): boolean => false) {
     const moves: string[] = [];
     const note =
       (name: string) =>
@@ -48,16 +53,28 @@ describe('the panel of the page without a server', () => {
         if (name === 'pan') moves.push(`${name} ${values.map((v) => v.toFixed(3)).join(' ')}`);
       };
     const rig = { orbit: note('orbit'), pan: note('pan'), zoom: note('zoom'), fit: note('fit') };
-    const capMouse = { rig: () => rig, isBusy, say: () => undefined };
     const none = (): undefined => undefined;
-    const actions: SideActions = {
-      ...{ choose: none, remove: none, stop: none, seek: none, play: none, takeHome: none },
-      ...{ save: none, linePressed: none, materialChosen: none, layoutChanged: none },
-      capMouse,
+    const state = new LocalState();
+    const shell = emptyShell();
+    const panel = h(SidePanel, {
+      ...{ shell, state, text: new TextState(), path: signal(null) },
+      transport: new Transport({ step: none, play: none }),
+      participants: new SessionModel().participants,
+      picture: { setMaterial: none } as unknown as Picture,
+      capMouse: { rig: () => rig, isBusy, say: none },
+      actions: {
+        ...{ choose: none, remove: none, stop: none, seek: none, takeHome: none },
+        ...{ save: none, linePressed: none },
+      },
+    });
+    shell.show(null, panel);
+    const text = async (): Promise<string> => {
+      await turn();
+      return document.body.textContent;
     };
-    const panel = new SidePanel(actions);
-    const element = panel.element as unknown as FakeElement;
-    return { preferences: element.all('preferences')[0]!, moves, panel };
+    const mouse = (): HTMLElement | null =>
+      document.querySelector<HTMLElement>('.preferences .quiet-action');
+    return { state, moves, text, mouse };
   }
 
   function frame(nowMs: number): void {
@@ -65,61 +82,51 @@ describe('the panel of the page without a server', () => {
   }
 
   it('has a 3D mouse move the picture, but not while a tool is in hand', async () => {
-    const mouse = fakeMouse();
-    vi.stubGlobal('navigator', { hid: mouse.hid, language: 'en' });
+    const device = fakeMouse();
+    vi.stubGlobal('navigator', { hid: device.hid, language: 'en' });
     stored.set('kerf.space-mouse', 'block');
     let isBusy = false;
-    const { preferences, moves } = make(() => isBusy);
-    const [button] = preferences.all('quiet-action');
-    expect(button!.textContent).toBe('3D mouse');
-    const isOn = (): void => expect(button!.getAttribute('aria-pressed')).toBe('true');
+    const { mouse, moves } = make(() => isBusy);
+    expect(mouse()!.textContent).toBe('3D mouse');
+    const isOn = (): void => expect(mouse()!.getAttribute('aria-pressed')).toBe('true');
     await vi.waitFor(isOn, { timeout: 30_000 });
     frame(1000);
     // Recorded: the cap of a SpaceMouse pushed to the right.
-    mouse.report(1, 0x5e, 0x01, 0x00, 0x00, 0x00, 0x00, 0, 0, 0, 0, 0, 0);
+    device.report(1, 0x5e, 0x01, 0x00, 0x00, 0x00, 0x00, 0, 0, 0, 0, 0, 0);
     frame(1020);
     isBusy = true;
     frame(1040);
     expect(moves.filter((move) => move !== 'pan 0.000 0.000')).toEqual(['pan -0.020 0.000']);
   });
 
-  it('no longer says that files are read when they are of no use', () => {
-    vi.stubGlobal('navigator', { language: 'en' });
-    const { panel } = make(() => false);
-    const text = (): string => (panel.element as unknown as FakeElement).textContent;
-    panel.setStatus('reading');
-    expect(text()).toContain('Reading…');
-    panel.setStatus('failed');
-    expect(text()).not.toContain('Reading…');
+  it('no longer says that files are read when they are of no use', async () => {
+    const { state, text } = make();
+    state.status.value = 'reading';
+    expect(await text()).toContain('Reading…');
+    state.status.value = 'failed';
+    expect(await text()).not.toContain('Reading…');
   });
 
-  it('says of other files nothing that was verified of the ones before', () => {
-    vi.stubGlobal('navigator', { language: 'en' });
-    const { panel } = make(() => false);
-    const text = (): string => (panel.element as unknown as FakeElement).textContent;
-    panel.setStored('Verified up to step 9');
-    expect(text()).toContain('Verified');
-    panel.setFiles(NO_FILES, null);
-    expect(text()).not.toContain('Verified');
+  it('says of other files nothing that was verified of the ones before', async () => {
+    const { state, text } = make();
+    state.stored.value = 'Verified up to step 9';
+    expect(await text()).toContain('Verified');
+    state.begin();
+    expect(await text()).not.toContain('Verified');
   });
 
-  it('counts the motions of a program, and the steps of a journal', () => {
-    vi.stubGlobal('navigator', { language: 'en' });
-    const { panel } = make(() => false);
-    const text = (): string => (panel.element as unknown as FakeElement).textContent;
-    panel.setFiles(NO_FILES, null);
-    panel.setAbout(ABOUT);
-    panel.setProgress(PROGRESS, 12, true);
-    expect(text()).toContain('Motions5');
-    expect(text()).toContain('Step 2 of 5');
-    panel.setAbout({ ...ABOUT, kernel_version: 9 });
-    panel.setProgress(PROGRESS, 12, true);
-    expect(text()).toContain('Steps5');
-    expect(text()).toContain('Step 2 of 5');
+  it('counts the motions of a program, and the steps of a journal', async () => {
+    const { state, text } = make();
+    state.about.value = ABOUT;
+    state.progress.value = PROGRESS;
+    expect(await text()).toContain('Motions5');
+    expect(await text()).toContain('Step 2 of 5');
+    state.about.value = { ...ABOUT, kernel_version: 9 };
+    expect(await text()).toContain('Steps5');
+    expect(await text()).toContain('Step 2 of 5');
   });
 
   it('has no 3D mouse where the browser can have none', () => {
-    vi.stubGlobal('navigator', { language: 'en' });
-    expect(make(() => false).preferences.all('quiet-action')).toEqual([]);
+    expect(make().mouse()).toBeNull();
   });
 });

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+// @vitest-environment happy-dom
+import { h } from 'preact';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { forgetStrokes, keptStrokes } from '../../src/local/autosave';
-import { startCard } from '../../src/local/start_card';
-import type { FakeElement } from '../support/fake_dom';
-import { stubPage } from '../support/fake_dom';
+import { StartCard } from '../../src/local/start_card';
+import { show } from '../support/shown';
+import { turn } from '../support/turn';
 
 vi.mock('../../src/local/autosave', () => ({ keptStrokes: vi.fn(), forgetStrokes: vi.fn() }));
 
@@ -13,25 +15,25 @@ describe('the empty page without a server', () => {
   const actions = { choose: vi.fn(), example: vi.fn(), carve: vi.fn(), goOn: vi.fn() };
 
   beforeEach(() => {
-    stubPage();
     vi.clearAllMocks();
     vi.mocked(forgetStrokes).mockResolvedValue();
   });
   afterEach(() => {
-    vi.unstubAllGlobals();
     vi.restoreAllMocks();
   });
 
-  const make = (): FakeElement => startCard(actions) as unknown as FakeElement;
-  const button = (card: FakeElement, text: string): FakeElement | undefined =>
-    card.all('button').find((one) => one.textContent === text);
+  const make = (): HTMLElement => show(h(StartCard, { ...actions, hidden: false }));
+  const button = (card: HTMLElement, text: string): HTMLElement | undefined =>
+    [...card.querySelectorAll('button')].find((one) => one.textContent === text);
+  const kept = (card: HTMLElement): Element => card.querySelector('.kept-strokes')!;
 
   it('offers the strokes that the browser has kept, to go on with', async () => {
     vi.mocked(keptStrokes).mockResolvedValue(KEPT);
     const card = make();
     await vi.waitFor(() => expect(button(card, 'Restore')).toBeDefined());
-    expect(card.all('kept-strokes')[0]!.textContent).toMatch(/^You have unsaved strokes from /);
+    expect(kept(card).textContent).toMatch(/^You have unsaved strokes from /);
     button(card, 'Restore')!.click();
+    await turn();
     expect(actions.goOn).toHaveBeenCalledWith(KEPT);
     expect(forgetStrokes).not.toHaveBeenCalled();
     expect(button(card, 'Restore')).toBeUndefined();
@@ -42,9 +44,10 @@ describe('the empty page without a server', () => {
     const card = make();
     await vi.waitFor(() => expect(button(card, 'Discard')).toBeDefined());
     button(card, 'Discard')!.click();
+    await turn();
     expect(forgetStrokes).toHaveBeenCalledOnce();
     expect(actions.goOn).not.toHaveBeenCalled();
-    expect(card.all('kept-strokes')[0]!.children).toEqual([]);
+    expect(kept(card).children).toHaveLength(0);
   });
 
   it.each([
@@ -55,7 +58,7 @@ describe('the empty page without a server', () => {
     vi.mocked(keptStrokes).mockImplementation(answer);
     const card = make();
     await Promise.resolve();
-    expect(card.all('kept-strokes')[0]!.children).toEqual([]);
+    expect(kept(card).children).toHaveLength(0);
     button(card, 'Carve a block by hand')!.click();
     expect(actions.carve.mock.calls[0]![0]).not.toHaveLength(0);
   });

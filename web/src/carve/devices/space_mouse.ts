@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A 3D mouse (SpaceMouse, SpaceNavigator) by WebHID: its cap moves and leans the tool, its left button
 // presses it, its right one takes the next tool. Without a tool in hand it moves the camera
-// (`ui/cap_mouse.ts`).
+// (`cap_mouse.tsx`).
 
 import type { Vec3 } from '../../wire/types';
 import { AT_REST, eased } from './deflection';

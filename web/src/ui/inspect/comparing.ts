@@ -2,6 +2,8 @@
 // The comparison of the block with a part: colors for the deviation of every place, figures of the
 // whole surface, and the worst places.
 
+import { effect, signal } from '@preact/signals';
+import type { ReadonlySignal } from '@preact/signals';
 import { t } from '../../strings';
 import {
   distancesFrom,
@@ -25,10 +27,10 @@ import type { Viewer } from '../../view/viewer';
 import type { Vec3 } from '../../wire/types';
 import { Vector3 } from 'three';
 import type { CutNote } from './cut_note';
-import { DeviationControls } from './deviation_controls';
 import { signed } from './deviation_plot';
 import type { InspectHost } from './host';
 import { PartUnit } from './part_unit';
+import { sentence } from '../format';
 import { partTolerance, rememberPartTolerance } from '../part_tolerance';
 
 /** While the block changes it is surveyed at most so often. */
@@ -51,157 +53,159 @@ export function isOutside(part: Bounds, block: Bounds): boolean {
 
 export class Comparing {
   /** The colors are shown, in place of others. */
-  chosen: () => void = () => undefined;
-  private readonly controls_ = new DeviationControls({
-    choose: (name) => this.choose_(name),
-    added: (file) => void this.add_(file, [0, 0, 0]),
-    remove: (name) => void this.remove_(name),
-    center: () => this.center_(),
-    tolerance: (mm) => this.setTolerance_(mm),
-    place: (place) => this.goTo_(place),
-  });
-  private readonly unit_ = new PartUnit((answer) => this.answer_(answer));
+  hasChosen: () => void = () => undefined;
+  /** The state in a sentence; `canCenter`: the part can be moved into the block. */
+  readonly hint = signal({ text: '', canCenter: false });
+  readonly toleranceMm = signal(0);
+  /** The newest survey of the chosen part; null: none yet. */
+  readonly survey = signal<DeviationSurvey | null>(null);
+  readonly unit = new PartUnit((as) => this.sendAs_(as));
   private readonly marker_: MeasureView;
-  private parts_: readonly TargetPart[] = [];
-  private chosen_: TargetPart | null = null;
+  private readonly parts_ = signal<readonly TargetPart[]>([]);
+  private readonly chosen_ = signal<TargetPart | null>(null);
   /** The file that was sent last, and its unit, in case it has to be moved. */
   private sent_: { file: File; as: UnitAnswer | undefined } | null = null;
   private painted_: PaintedView | null = null;
   private readonly material_ = new PaintedMaterial();
   private stop_ = new AbortController();
-  private survey_: DeviationSurvey | null = null;
   private surveyed_ = '';
   private surveyMs_ = -Infinity;
   private isSurveying_ = false;
-  private place_: DeviationPlace | null = null;
-  private toleranceMm_ = 0;
-  private units_: LengthUnit = 'mm';
+  private readonly place_ = signal<DeviationPlace | null>(null);
 
   constructor(
     private readonly viewer: Viewer,
     private readonly host: InspectHost,
     private readonly session: string,
     private readonly bounds: () => Bounds,
-    private readonly note: CutNote,
+    private readonly units: ReadonlySignal<LengthUnit>,
+    readonly note: CutNote,
   ) {
-    this.controls_.places.append(note.element);
-    this.controls_.hints.append(this.unit_.element);
     this.marker_ = new MeasureView(viewer, host.overlay);
+    effect(() => this.showScale_());
+    effect(() => this.showMark_());
   }
 
-  get element(): HTMLElement {
-    return this.controls_.element;
+  // The properties are tracked as signals are.
+
+  get parts(): readonly TargetPart[] {
+    return this.parts_.value;
+  }
+
+  /** The part that the block is compared with; null: none. */
+  get chosen(): TargetPart | null {
+    return this.chosen_.value;
+  }
+
+  /** Whether this viewer may add and remove parts. */
+  get mayChange(): boolean {
+    return this.host.model.welcome?.may?.includes('run_programs') ?? true;
   }
 
   /** Shows a sentence where the part's are, until there is another one. */
-  say(text: string): void {
-    this.controls_.say(text);
+  say(text: string, canCenter = false): void {
+    const hint = { text: text === '' ? '' : sentence(text), canCenter };
+    const { text: before, canCenter: couldCenter } = this.hint.peek();
+    if (hint.text !== before || canCenter !== couldCenter) this.hint.value = hint;
   }
 
   /** The panel was opened: others may have added parts. */
   async open(): Promise<void> {
     const { welcome } = this.host.model;
-    this.toleranceMm_ = partTolerance(welcome?.pitch_mm);
-    this.controls_.say('');
+    this.toleranceMm.value = partTolerance(welcome?.pitch_mm);
+    this.say('');
     await this.list_();
-    if (this.parts_.length === 0)
-      this.controls_.say(
-        this.may_('run_programs')
+    if (this.parts.length === 0)
+      this.say(
+        this.mayChange
           ? t("Add a model of the finished part, in the block's coordinates, or drop it here")
           : t('Nobody has added a part to compare with yet'),
       );
   }
 
   close(): void {
-    this.choose_(null);
+    this.choose(null);
   }
 
   /** Called some times a second while the panel is open. */
   update(nowMs: number): void {
-    if (!this.painted_ || !this.chosen_) return;
+    if (!this.painted_ || !this.chosen_.peek()) return;
     this.painted_.update();
     this.surveyIfChanged_(nowMs);
     this.sayState_();
   }
 
-  setUnits(units: LengthUnit): void {
-    this.units_ = units;
-    this.show_();
-  }
-
-  private may_(what: string): boolean {
-    return this.host.model.welcome?.may?.includes(what) ?? true;
-  }
-
   private async list_(): Promise<void> {
     try {
-      this.parts_ = await listTargets(this.session);
+      this.parts_.value = await listTargets(this.session);
     } catch (problem) {
-      this.controls_.say((problem as Error).message);
+      this.say((problem as Error).message);
     }
-    this.showParts_();
   }
 
-  private showParts_(): void {
-    this.controls_.showParts(this.parts_, this.chosen_?.name ?? null, this.may_('run_programs'));
+  /** Adds a part, and compares with it. */
+  add(file: File): void {
+    void this.add_(file, [0, 0, 0]);
   }
 
   private async add_(file: File, shift: Vec3, as?: UnitAnswer): Promise<void> {
-    this.choose_(null);
-    this.controls_.say(t('Uploading {0}…', file.name));
+    this.choose(null);
+    this.say(t('Uploading {0}…', file.name));
     try {
       const part = await setTarget(this.session, file, shift, as);
       this.sent_ = { file, as };
       await this.list_();
-      this.choose_(part.name);
-      this.unit_.ask(part);
+      this.choose(part.name);
+      this.unit.ask(part);
     } catch (problem) {
-      this.controls_.say((problem as Error).message);
+      this.say((problem as Error).message);
     }
   }
 
-  private async remove_(name: string): Promise<void> {
-    this.choose_(null);
+  async remove(name: string): Promise<void> {
+    this.choose(null);
     try {
       await removeTarget(this.session, name);
     } catch (problem) {
-      this.controls_.say((problem as Error).message);
+      this.say((problem as Error).message);
     }
     await this.list_();
   }
 
   /** Sends the part again in a unit, at its origin: its place in mm was that of another size. */
-  private answer_(as: UnitAnswer): void {
+  private sendAs_(as: UnitAnswer): void {
     if (this.sent_) void this.add_(this.sent_.file, [0, 0, 0], as);
   }
 
-  private center_(): void {
-    const { chosen_: part, sent_: sent } = this;
+  /** Moves the chosen part into the block. */
+  center(): void {
+    const { sent_: sent } = this;
+    const part = this.chosen_.peek();
     if (!part || !sent) return;
     const [x, y, z] = shiftInto({ min: part.min_mm, max: part.max_mm }, this.bounds());
     const [fromX, fromY, fromZ] = part.shift_mm;
     void this.add_(sent.file, [x + fromX, y + fromY, z + fromZ], sent.as);
   }
 
-  private choose_(name: string | null): void {
+  /** Compares with a part; null: with none. */
+  choose(name: string | null): void {
     this.stop_.abort();
     this.stop_ = new AbortController();
     this.painted_?.dispose();
     this.painted_ = null;
-    this.survey_ = null;
+    this.survey.value = null;
     this.surveyed_ = '';
     this.surveyMs_ = -Infinity;
     this.isSurveying_ = false;
-    this.unit_.ask(null);
+    this.unit.ask(null);
     this.mark_(null);
-    this.chosen_ = this.parts_.find((part) => part.name === name) ?? null;
-    if (this.chosen_) {
-      this.chosen();
-      this.painted_ = this.paint_(this.chosen_.name);
+    const chosen = this.parts_.peek().find((part) => part.name === name) ?? null;
+    this.chosen_.value = chosen;
+    if (chosen) {
+      this.hasChosen();
+      this.painted_ = this.paint_(chosen.name);
     }
-    this.controls_.say('');
-    this.showParts_();
-    this.show_();
+    this.say('');
   }
 
   private paint_(name: string): PaintedView {
@@ -223,8 +227,8 @@ export class Comparing {
   }
 
   private fail_(problem: unknown): void {
-    this.choose_(null);
-    this.controls_.say((problem as Error).message);
+    this.choose(null);
+    this.say((problem as Error).message);
   }
 
   private surveyIfChanged_(nowMs: number): void {
@@ -235,14 +239,13 @@ export class Comparing {
     if (key === this.surveyed_) return;
     this.surveyed_ = key;
     this.surveyMs_ = nowMs;
-    void this.ask_(this.chosen_!.name, at, this.stop_.signal);
+    void this.ask_(this.chosen_.peek()!.name, at, this.stop_.signal);
   }
 
   private async ask_(name: string, at: number | null, signal: AbortSignal): Promise<void> {
     this.isSurveying_ = true;
     try {
-      this.survey_ = await surveyDeviation(this.session, name, at, signal);
-      this.show_();
+      this.survey.value = await surveyDeviation(this.session, name, at, signal);
     } catch (problem) {
       if (!signal.aborted) this.fail_(problem);
     }
@@ -250,52 +253,58 @@ export class Comparing {
   }
 
   private sayState_(): void {
-    const { chosen_: part, painted_: painted } = this;
+    const { painted_: painted } = this;
+    const part = this.chosen_.peek();
     if (!part || !painted) return;
     if (isOutside({ min: part.min_mm, max: part.max_mm }, this.bounds())) {
       const canMove = this.sent_?.file.name === part.name;
-      this.controls_.say(t('The part lies outside the block: their origins differ'), canMove);
-    } else if (painted.share < 1 || !this.survey_) {
-      this.controls_.say(t('Measuring… {0} %', 10 * Math.floor(10 * painted.share)));
+      this.say(t('The part lies outside the block: their origins differ'), canMove);
+    } else if (painted.share < 1 || !this.survey.peek()) {
+      this.say(t('Measuring… {0} %', 10 * Math.floor(10 * painted.share)));
     } else if (part.fault) {
-      this.controls_.say(
+      this.say(
         t('The part is not closed, so “too deep” and “left over” may be mixed up: {0}', part.fault),
       );
     } else {
-      this.controls_.say('');
+      this.say('');
     }
   }
 
-  private setTolerance_(mm: number): void {
-    this.toleranceMm_ = mm;
+  setTolerance(mm: number): void {
     rememberPartTolerance(mm);
     this.mark_(null);
-    this.show_();
+    this.toleranceMm.value = mm;
   }
 
-  private show_(): void {
-    this.controls_.showSurvey(this.survey_, this.toleranceMm_, this.units_);
-    const range = this.survey_ ? rangeOf(this.survey_, this.toleranceMm_) : 10 * this.toleranceMm_;
-    this.material_.setScale(this.toleranceMm_, range);
+  /** Colors the surface by the tolerance and the range of the survey. */
+  private showScale_(): void {
+    const { value: survey } = this.survey;
+    const { value: toleranceMm } = this.toleranceMm;
+    this.material_.setScale(toleranceMm, survey ? rangeOf(survey, toleranceMm) : 10 * toleranceMm);
     this.viewer.touch();
-    if (this.place_) this.mark_(this.place_);
   }
 
   private mark_(place: DeviationPlace | null): void {
-    this.place_ = place;
+    this.place_.value = place;
+    if (!place) this.note.say('');
+  }
+
+  /** Shows the deviation at the place that was pressed. */
+  private showMark_(): void {
+    const { value: place } = this.place_;
+    const { value: units } = this.units;
     if (!place) {
-      this.note.say('');
       this.marker_.show([], []);
       return;
     }
     const { at_mm: at, normal, mm } = place;
     const end = plus(at, normal, ARM_PX * this.viewer.pixelMm(new Vector3(...at)));
-    const text = `${signed(mm, this.units_)} ${this.units_}`;
+    const text = `${signed(mm, units)} ${units}`;
     this.marker_.show([{ line: [at, end], place: end, text }], []);
   }
 
   /** Tells who cut a place, and looks at it from outside, a little from where the picture is seen now. */
-  private goTo_(place: DeviationPlace): void {
+  goTo(place: DeviationPlace): void {
     const { rig } = this.viewer;
     const at = new Vector3(...place.at_mm);
     const from = rig.camera.position.clone().sub(rig.controls.target).normalize();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The button that shows the stock as it was before the first cut.
+// Shows the stock as it was before the first cut.
 
-import { t } from '../../strings';
+import { signal } from '@preact/signals';
 import { ask } from '../../link/server_error';
 import { pathOf } from '../../link/address';
 import { GhostView } from '../../view/inspect/ghost_view';
@@ -9,26 +9,22 @@ import type { Viewer } from '../../view/viewer';
 
 export class Ghost {
   private view_: GhostView | null = null;
-  private isWanted_ = false;
+  /** Whether the stock is shown. */
+  readonly isWanted = signal(false);
   private loading_: Promise<ArrayBuffer> | null = null;
 
-  /** @param button pressed while the stock is shown */
   constructor(
     private readonly viewer: Viewer,
     private readonly session: string,
-    private readonly button: HTMLButtonElement,
     private readonly failed: (reason: string) => void,
-  ) {
-    button.title = t('Show the stock before the first cut');
-  }
+  ) {}
 
   toggle(): void {
-    this.show(!this.isWanted_);
+    this.show(!this.isWanted.peek());
   }
 
   show(wanted: boolean): void {
-    this.isWanted_ = wanted;
-    this.button.setAttribute('aria-pressed', String(wanted));
+    this.isWanted.value = wanted;
     if (wanted) void this.load_();
     else this.hide_();
   }
@@ -42,7 +38,7 @@ export class Ghost {
   private async load_(): Promise<void> {
     try {
       const stl = await (this.loading_ ??= this.fetch_());
-      if (this.isWanted_ && !this.view_) this.view_ = new GhostView(this.viewer, stl);
+      if (this.isWanted.peek() && !this.view_) this.view_ = new GhostView(this.viewer, stl);
     } catch (problem) {
       this.loading_ = null;
       this.show(false);

@@ -4,6 +4,7 @@ import type { ProgramPlace } from '../../model/program_place';
 import type { SessionModel } from '../../model/session';
 import type { OneOpen } from '../one_open';
 import type { Picture } from '../picture';
+import type { Shell } from '../shell';
 
 /** The parts of the page that the panel uses. */
 export interface InspectHost {
@@ -14,10 +15,8 @@ export interface InspectHost {
   canvas: HTMLCanvasElement;
   /** Over the picture, for elements that follow the block. */
   overlay: HTMLElement;
-  toolbar: HTMLElement;
+  shell: Shell;
   oneOpen: OneOpen;
-  /** The panel was opened or closed, and covers another part of the picture. */
-  layoutChanged: () => void;
   /** Shows a line in the panel of programs; missing: there is no such panel. */
   showLine?: (place: ProgramPlace) => void;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measuring: points are pressed in the picture until there are enough, and the measure is kept.
 
+import { batch, effect, signal } from '@preact/signals';
+import type { ReadonlySignal } from '@preact/signals';
 import { t } from '../../strings';
 import {
   angleOf,
@@ -18,7 +20,7 @@ import type { DisplayedSurface } from '../../view/displayed_surface';
 import { MeasureView } from '../../view/inspect/measure_view';
 import type { Viewer } from '../../view/viewer';
 import { Vector3 } from 'three';
-import { MeasureControls } from './measure_controls';
+import { hintOf } from './measure_hint';
 import type { InspectHost } from './host';
 import type { Picked } from './picker';
 
@@ -28,81 +30,75 @@ export class Measuring {
   /** Something is measured. */
   chosen: () => void = () => undefined;
   private readonly view_: MeasureView;
-  private readonly controls_ = new MeasureControls({
-    choose: (kind) => this.choose(kind),
-    remove: (measure) => this.keep_(this.measures_.filter((one) => one !== measure)),
-    clear: () => this.clear(),
-  });
-  private kind_: MeasureKind | null = null;
-  private pressed_: Picked[] = [];
-  private measures_: readonly Measure[] = [];
-  private units_: LengthUnit = 'mm';
+  /** Null: nothing is measured. */
+  readonly kind = signal<MeasureKind | null>(null);
+  readonly measures = signal<readonly Measure[]>([]);
+  /** The next step, or why there is no result. */
+  readonly hint = signal('');
+  private readonly pressed_ = signal<readonly Picked[]>([]);
 
   constructor(
     private readonly viewer: Viewer,
     private readonly surface: DisplayedSurface,
     private readonly host: InspectHost,
+    private readonly units: ReadonlySignal<LengthUnit>,
     readonly pick: (x: number, y: number) => Picked | null,
   ) {
     this.view_ = new MeasureView(viewer, host.overlay);
-  }
-
-  get element(): HTMLElement {
-    return this.controls_.element;
+    effect(() => this.draw_());
   }
 
   get isOn(): boolean {
-    return this.kind_ !== null;
+    return this.kind.value !== null;
   }
 
   choose(kind: MeasureKind | null): void {
     if (kind) this.chosen();
-    this.kind_ = kind;
-    this.pressed_ = [];
     this.view_.point(null);
-    this.host.canvas.classList.toggle('measures', kind !== null);
-    this.controls_.showKind(kind, 0);
-    this.draw_();
+    batch(() => {
+      this.kind.value = kind;
+      this.pressed_.value = [];
+      this.hint.value = hintOf(kind, 0);
+      this.host.shell.isMeasuring.value = kind !== null;
+    });
   }
 
   hover(x: number, y: number): void {
-    if (!this.kind_) return;
+    const kind = this.kind.peek();
+    if (!kind) return;
     const picked = this.pick(x, y);
-    const isFree = this.kind_ === 'thickness' || this.kind_ === 'angle';
+    const isFree = kind === 'thickness' || kind === 'angle';
     this.view_.point(picked && (isFree ? { kind: 'face', point: picked.point } : picked.snapped));
   }
 
   press(picked: Picked): void {
-    if (!this.kind_) return;
-    this.pressed_.push(picked);
-    if (this.pressed_.length === POINTS_OF[this.kind_]) {
-      const measure = this.measure_(this.kind_);
-      this.pressed_ = [];
-      this.controls_.showKind(this.kind_, 0);
-      if (measure) this.keep_([...this.measures_, measure]);
-      else
-        this.controls_.say(
-          t(
-            'No result: the points lie on one line, or the wall has no back side. Pick other points.',
-          ),
-        );
-    } else {
-      this.controls_.showKind(this.kind_, this.pressed_.length);
-    }
-    this.draw_();
+    const kind = this.kind.peek();
+    if (!kind) return;
+    const pressed = [...this.pressed_.peek(), picked];
+    const isEnough = pressed.length === POINTS_OF[kind];
+    const measure = isEnough ? this.measure_(kind, pressed) : null;
+    batch(() => {
+      this.pressed_.value = isEnough ? [] : pressed;
+      this.hint.value =
+        isEnough && !measure
+          ? t(
+              'No result: the points lie on one line, or the wall has no back side. Pick other points.',
+            )
+          : hintOf(kind, this.pressed_.value.length);
+      if (measure) this.measures.value = [...this.measures.peek(), measure];
+    });
+  }
+
+  remove(measure: Measure): void {
+    this.measures.value = this.measures.peek().filter((one) => one !== measure);
   }
 
   clear(): void {
-    this.keep_([]);
+    this.measures.value = [];
   }
 
-  setUnits(units: LengthUnit): void {
-    this.units_ = units;
-    this.keep_(this.measures_);
-  }
-
-  private measure_(kind: MeasureKind): Measure | null {
-    const [a, b, c] = this.pressed_ as [Picked, Picked, Picked];
+  private measure_(kind: MeasureKind, pressed: readonly Picked[]): Measure | null {
+    const [a, b, c] = pressed as [Picked, Picked, Picked];
     const { welcome } = this.host.model;
     switch (kind) {
       case 'distance':
@@ -120,20 +116,14 @@ export class Measuring {
     }
   }
 
-  private keep_(measures: readonly Measure[]): void {
-    this.measures_ = measures;
-    this.controls_.showMeasures(measures, this.units_);
-    this.draw_();
-  }
-
   private draw_(): void {
     this.view_.show(
-      this.measures_.map((measure) => ({
+      this.measures.value.map((measure) => ({
         line: measure.line,
         place: measure.place,
-        text: valueText(measure, this.units_),
+        text: valueText(measure, this.units.value),
       })),
-      this.pressed_.map(({ snapped }) => snapped.point),
+      this.pressed_.value.map(({ snapped }) => snapped.point),
     );
   }
 }

@@ -2,6 +2,7 @@
 // Colors the surface by who cut it, with a legend that states each participant's share of the cut.
 // Pressing a participant grays out the rest.
 
+import { signal } from '@preact/signals';
 import { t } from '../../strings';
 import { OWNER_NUMBERS, OWNER_POINTS_MAX, ownersAt } from '../../link/owners';
 import type { Bounds } from '../../model/session';
@@ -12,33 +13,32 @@ import { PaintedView, trianglesOf } from '../../view/inspect/painted_view';
 import type { Painting } from '../../view/inspect/painted_view';
 import type { Viewer } from '../../view/viewer';
 import type { Authors } from '../authors';
-import { h, setText } from '../dom';
-import { figure, sentence } from '../format';
+import { sentence } from '../format';
 import type { InspectHost } from './host';
+
+/** An entry of the legend. */
+interface Entry {
+  slot: number;
+  name: string;
+  color: string;
+  /** Share of the cut surface. */
+  percent: number;
+}
 
 export class Owning {
   /** The colors are shown, in place of others. */
   chosen: () => void = () => undefined;
-  private readonly button_ = h(
-    'button',
-    { type: 'button', class: 'inspect-action', 'aria-pressed': 'false' },
-    t('Color by participant'),
-  );
-  private readonly hint_ = h('p', { class: 'quiet inspect-hint', role: 'status', hidden: '' });
-  private readonly how_ = h(
-    'p',
-    { class: 'quiet inspect-hint', hidden: '' },
-    t('Point at or click a spot to see who cut it. Press Enter for the middle of the view.'),
-  );
-  private readonly legend_ = h('ul', { class: 'owner-legend', 'aria-label': t('Who cut what') });
-  readonly element: HTMLElement;
+  private readonly isOn_ = signal(false);
+  readonly hint = signal('');
+  readonly legend = signal<readonly Entry[]>([]);
+  /** The slot that is shown in color alone; null: all are. */
+  readonly alone = signal<number | null>(null);
   private painted_: PaintedView | null = null;
   private material_ = new OwnerMaterial();
   private stop_ = new AbortController();
   /** Participants by slot; their places do not change while the colors are shown. */
   private owners_: number[] = [];
   private colors_: string[] = [];
-  private alone_: number | null = null;
   private drawn_ = '';
 
   constructor(
@@ -47,20 +47,10 @@ export class Owning {
     private readonly session: string,
     private readonly authors: Authors,
     private readonly bounds: () => Bounds,
-  ) {
-    this.button_.addEventListener('click', () => this.choose(!this.isOn));
-    this.element = h(
-      'section',
-      { 'aria-label': t('Who cut what'), class: 'owners' },
-      h('div', { class: 'inspect-row' }, this.button_),
-      this.hint_,
-      this.legend_,
-      this.how_,
-    );
-  }
+  ) {}
 
   get isOn(): boolean {
-    return this.button_.getAttribute('aria-pressed') === 'true';
+    return this.isOn_.value;
   }
 
   /** Differs when the colored surface does. */
@@ -76,9 +66,8 @@ export class Owning {
 
   choose(on: boolean): void {
     if (on === this.isOn) return;
-    this.how_.hidden = !on;
     if (on) this.chosen();
-    this.button_.setAttribute('aria-pressed', String(on));
+    this.isOn_.value = on;
     this.stop_.abort();
     this.stop_ = new AbortController();
     this.painted_?.dispose();
@@ -86,8 +75,8 @@ export class Owning {
     this.owners_ = [];
     this.colors_ = [];
     this.drawn_ = '';
-    this.setAlone_(null);
-    this.legend_.replaceChildren();
+    this.setAlone(null);
+    this.legend.value = [];
     this.say_('');
     if (!on) return;
     this.material_ = new OwnerMaterial();
@@ -104,12 +93,12 @@ export class Owning {
     painted.update();
     const { share } = painted;
     const done = share < 1 ? 10 * Math.floor(10 * share) : 100;
-    const drawn = `${painted.revision} ${done} ${this.alone_} ${this.colors_.join('')}`;
+    const drawn = `${painted.revision} ${done} ${this.alone.peek()} ${this.colors_.join('')}`;
     if (drawn === this.drawn_) return;
     this.drawn_ = drawn;
-    this.drawLegend_(painted);
+    this.legend.value = this.entriesOf_(painted);
     if (done < 100) this.say_(t('Finding who cut what… {0} %', done));
-    else this.say_(this.legend_.childElementCount === 0 ? t('Nobody has cut anything yet') : '');
+    else this.say_(this.legend.peek().length === 0 ? t('Nobody has cut anything yet') : '');
   }
 
   private painting_(): Painting {
@@ -155,53 +144,28 @@ export class Owning {
     this.viewer.touch();
   }
 
-  private drawLegend_(painted: PaintedView): void {
+  private entriesOf_(painted: PaintedView): Entry[] {
     const areas = new Map<number, number>();
     for (const piece of painted.pieces()) addAreas(piece, areas);
     const all = [...areas.values()].reduce((sum, area) => sum + area, 0);
-    const focused = this.legend_.contains(document.activeElement)
-      ? (document.activeElement as HTMLElement).dataset['slot']
-      : undefined;
-    const entries = [...areas].sort(([, a], [, b]) => b - a);
-    this.legend_.replaceChildren(
-      ...entries.map(([slot, area]) => this.entry_(slot, (100 * area) / all)),
-    );
-    this.legend_.querySelector<HTMLElement>(`[data-slot="${focused ?? ''}"]`)?.focus();
+    return [...areas]
+      .sort(([, a], [, b]) => b - a)
+      .map(([slot, area]) => ({
+        slot,
+        percent: (100 * area) / all,
+        name: slot === SLOTS - 1 ? t('Others') : this.authors.nameOf(this.owners_[slot]!),
+        color: this.colors_[slot] ?? '#808080',
+      }));
   }
 
-  private entry_(slot: number, percent: number): HTMLElement {
-    const isRest = slot === SLOTS - 1;
-    const name = isRest ? t('Others') : this.authors.nameOf(this.owners_[slot]!);
-    const button = h(
-      'button',
-      {
-        type: 'button',
-        'aria-pressed': String(this.alone_ === slot),
-        'data-slot': String(slot),
-        title: t('Show what {0} cut', name),
-      },
-      h('span', {
-        class: 'owner-color',
-        style: `background:${this.colors_[slot] ?? '#808080'}`,
-        'aria-hidden': 'true',
-      }),
-      h('span', { class: 'owner-name' }, name),
-      h('span', { class: 'owner-share' }, `${figure(percent)} %`),
-    );
-    button.addEventListener('click', () => this.setAlone_(this.alone_ === slot ? null : slot));
-    return h('li', {}, button);
-  }
-
-  private setAlone_(slot: number | null): void {
-    this.alone_ = slot;
+  setAlone(slot: number | null): void {
+    this.alone.value = slot;
     this.material_.setAlone(slot);
     this.viewer.touch();
-    this.update();
   }
 
   private say_(text: string): void {
-    this.hint_.hidden = text === '';
-    setText(this.hint_, text === '' ? '' : sentence(text));
+    this.hint.value = text === '' ? '' : sentence(text);
   }
 
   private fail_(problem: unknown): void {

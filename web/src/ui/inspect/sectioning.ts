@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section plane: its position, its display, and its area.
 
+import { batch, signal } from '@preact/signals';
 import type { Camera } from 'three';
 import { Vector3 } from 'three';
-import type { LengthUnit } from '../../model/measure';
-import { lengthText } from '../../model/measure';
 import { footOf, offsetsOf, sectionOf } from '../../model/section';
 import type { Plane, Section } from '../../model/section';
 import type { Bounds } from '../../model/session';
@@ -14,8 +13,7 @@ import { SectionView } from '../../view/inspect/section_view';
 import type { Viewer } from '../../view/viewer';
 import type { Vec3 } from '../../wire/types';
 import { Handle } from './handle';
-import { SectionControls } from './section_controls';
-import type { Direction } from './section_controls';
+import type { Direction, SectionActions, ShownSection } from './section_controls';
 
 const AXES: Record<'x' | 'y' | 'z', Vec3> = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
 /** The plane along a face is this much of the block's extent inside of it. */
@@ -23,27 +21,34 @@ const INSIDE = 0.02;
 /** The plane stays this much of the block's extent inside of it. */
 const MARGIN = 1e-4;
 
+/** Where the plane is. */
+interface Placed {
+  direction: Direction;
+  /** The axis, or out of the face. */
+  base: Vec3;
+  mm: number;
+  /** The other side is cut away. */
+  isFlipped: boolean;
+}
+
 export class Sectioning {
   /** A direction was chosen, or a face is to be pressed. */
   chosen: () => void = () => undefined;
   private readonly view_: SectionView;
-  private readonly controls_ = new SectionControls({
+  readonly actions: SectionActions = {
     direction: (direction) => this.choose(direction),
     place: (mm) => this.place_(mm),
     flip: () => this.flip_(),
     face: () => this.faceOn_(),
+  };
+  readonly handle = new Handle();
+  private readonly placed_ = signal<Placed>({
+    ...{ direction: 'none', base: [0, 0, 1], mm: 0, isFlipped: false },
   });
-  private readonly handle_: Handle;
-  private direction_: Direction = 'none';
-  /** The axis, or out of the face. */
-  private base_: Vec3 = [0, 0, 1];
-  private mm_ = 0;
-  private flipped_ = false;
-  private section_: Section | null = null;
+  private readonly section_ = signal<Section | null>(null);
+  private readonly isExact_ = signal(false);
+  private readonly waitsForFace_ = signal(false);
   private computed_ = '';
-  private isExact_ = false;
-  private units_: LengthUnit = 'mm';
-  waitsForFace = false;
 
   constructor(
     private readonly viewer: Viewer,
@@ -51,29 +56,46 @@ export class Sectioning {
     private readonly bounds: () => Bounds,
   ) {
     this.view_ = new SectionView(viewer);
-    this.handle_ = new Handle(
-      (offset) => this.place_(this.flipped_ ? -offset : offset),
-      () => this.extent_() / 100,
-    );
   }
 
-  get element(): HTMLElement {
-    return this.controls_.element;
-  }
+  // The properties are tracked as signals are.
 
-  get handle(): HTMLElement {
-    return this.handle_.element;
-  }
-
-  /** null: there is no section. */
+  /** Null: there is no section. */
   get plane(): Plane | null {
-    if (this.direction_ === 'none') return null;
-    const sign = this.flipped_ ? -1 : 1;
-    return { normal: scaled(this.base_, sign), offset: sign * this.mm_ };
+    const { direction, base, mm, isFlipped } = this.placed_.value;
+    if (direction === 'none') return null;
+    const sign = isFlipped ? -1 : 1;
+    return { normal: scaled(base, sign), offset: sign * mm };
   }
 
   get outline(): ArrayLike<number> {
-    return this.section_?.lines ?? [];
+    return this.section_.value?.lines ?? [];
+  }
+
+  /** Whether the next press in the picture gives the face of the section. */
+  get waitsForFace(): boolean {
+    return this.waitsForFace_.value;
+  }
+
+  get shown(): ShownSection {
+    const { direction, mm } = this.placed_.value;
+    return {
+      direction: this.waitsForFace ? 'face' : direction,
+      range: this.range_(),
+      mm: direction === 'none' ? null : mm,
+      section: this.section_.value,
+      isExact: this.isExact_.value,
+    };
+  }
+
+  /** The step of the handle by a key, mm. */
+  get stepMm(): number {
+    return this.extent_() / 100;
+  }
+
+  /** Moves the plane; the offset is along its normal. */
+  moveTo(offset: number): void {
+    this.place_(this.placed_.peek().isFlipped ? -offset : offset);
   }
 
   /** Through the middle of the block, with the side of the viewer cut away. */
@@ -81,39 +103,31 @@ export class Sectioning {
     this.chosen();
     this.waitForFace(direction === 'face');
     if (direction === 'face') return;
-    this.direction_ = direction;
-    if (direction !== 'none') {
-      const base = AXES[direction];
-      const { min, max } = this.bounds();
-      const [least, greatest] = offsetsOf(base, min, max);
-      const eye = this.viewer.rig.camera.position.toArray();
-      const target = this.viewer.rig.controls.target.toArray();
-      this.base_ = base;
-      this.flipped_ = dot(base, eye) < dot(base, target);
-      this.mm_ = (least + greatest) / 2;
+    if (direction === 'none') {
+      this.apply_({ direction });
+      return;
     }
-    this.apply_();
+    const base = AXES[direction];
+    const { min, max } = this.bounds();
+    const [least, greatest] = offsetsOf(base, min, max);
+    const eye = this.viewer.rig.camera.position.toArray();
+    const target = this.viewer.rig.controls.target.toArray();
+    const isFlipped = dot(base, eye) < dot(base, target);
+    this.apply_({ direction, base, isFlipped, mm: (least + greatest) / 2 });
   }
 
   /** A face is to be pressed in the picture, or no more. */
   waitForFace(waits: boolean): void {
-    this.waitsForFace = waits;
-    this.showDirection_();
+    this.waitsForFace_.value = waits;
   }
 
   /** Along a face, a little inside of it. */
   along(point: Vec3, normal: Vec3): void {
-    this.direction_ = 'face';
-    this.base_ = normal;
-    this.flipped_ = false;
-    this.mm_ = dot(point, normal) - INSIDE * this.extent_();
+    const { min, max } = this.bounds();
+    const [least, greatest] = offsetsOf(normal, min, max);
+    const mm = dot(point, normal) - INSIDE * (greatest - least);
     this.waitForFace(false);
-    this.apply_();
-  }
-
-  setUnits(units: LengthUnit): void {
-    this.units_ = units;
-    this.apply_();
+    this.apply_({ direction: 'face', base: normal, isFlipped: false, mm });
   }
 
   /**
@@ -124,21 +138,23 @@ export class Sectioning {
     const key = `${this.surface.changes} ${isExact}`;
     if (key === this.computed_) return;
     this.computed_ = key;
-    this.isExact_ = isExact;
+    this.isExact_.value = isExact;
     this.compute_();
   }
 
   placeHandle(camera: Camera, width: number, height: number): void {
-    if (!this.plane) return;
-    const pixelMm = this.viewer.pixelMm(new Vector3(...this.anchor_));
-    this.handle_.place(camera, width, height, pixelMm);
+    const { plane } = this;
+    if (!plane) return;
+    const anchor = this.anchorOf_(plane);
+    const pixelMm = this.viewer.pixelMm(new Vector3(...anchor));
+    this.handle.update(plane, anchor, camera, [width, height], pixelMm);
   }
 
-  /** Where the handle is: in the plane, at the middle of the block. */
-  private get anchor_(): Vec3 {
+  /** The place of the handle: in the plane, at the middle of the block. */
+  private anchorOf_(plane: Plane): Vec3 {
     const { min, max } = this.bounds();
     const middle = scaled([min[0] + max[0], min[1] + max[1], min[2] + max[2]], 0.5);
-    return this.plane ? footOf(middle, this.plane) : middle;
+    return footOf(middle, plane);
   }
 
   private extent_(): number {
@@ -148,19 +164,17 @@ export class Sectioning {
 
   private range_(): [number, number] {
     const { min, max } = this.bounds();
-    return offsetsOf(this.base_, min, max);
+    return offsetsOf(this.placed_.value.base, min, max);
   }
 
   private place_(mm: number): void {
     const [least, greatest] = this.range_();
     const margin = MARGIN * (greatest - least);
-    this.mm_ = Math.min(greatest - margin, Math.max(least + margin, mm));
-    this.apply_();
+    this.apply_({ mm: Math.min(greatest - margin, Math.max(least + margin, mm)) });
   }
 
   private flip_(): void {
-    this.flipped_ = !this.flipped_;
-    this.apply_();
+    this.apply_({ isFlipped: !this.placed_.peek().isFlipped });
   }
 
   private faceOn_(): void {
@@ -172,27 +186,19 @@ export class Sectioning {
     this.viewer.rig.lookFrom(direction, performance.now());
   }
 
-  private apply_(): void {
-    const { plane } = this;
-    const bounds = this.bounds();
-    this.view_.set(plane, bounds);
-    this.showDirection_();
-    this.controls_.showPlace(plane ? this.mm_ : null, this.units_);
-    const place = lengthText(this.mm_, this.units_);
-    this.handle_.show(plane, this.anchor_, place);
+  private apply_(change: Partial<Placed>): void {
+    batch(() => {
+      this.placed_.value = { ...this.placed_.peek(), ...change };
+      this.section_.value = null;
+    });
+    this.view_.set(this.plane, this.bounds());
     requestAnimationFrame(() => this.compute_());
   }
 
   private compute_(): void {
     const { plane } = this;
-    this.section_ = plane && sectionOf(this.surface.pieces, plane);
-    if (!this.section_) return;
-    this.view_.setOutline(this.section_);
-    this.controls_.showArea(this.section_, this.isExact_);
-  }
-
-  private showDirection_(): void {
-    const direction = this.waitsForFace ? 'face' : this.direction_;
-    this.controls_.showDirection(direction, this.range_());
+    const section = plane && sectionOf(this.surface.pieces, plane);
+    this.section_.value = section;
+    if (section) this.view_.setOutline(section);
   }
 }

@@ -2,41 +2,57 @@
 // Force, removal and feed along the selected program. They are requested when it has moved, and
 // plotted by a chunk that is loaded when there is something to plot.
 
+import { batch, computed, signal } from '@preact/signals';
+import type { ComponentType } from 'preact';
 import type { ForceCurve } from '../../model/force_curve';
 import { cutCurveOf } from '../../model/cut_curve';
+import type { CutCurve } from '../../model/cut_curve';
 import type { FeedCurve } from '../../model/program_path';
 import { isOpen } from '../../model/programs';
+import type { WrenchPeak } from '../../model/wrench_path';
 import type { ProgramInfo } from '../../wire/types';
-import { h } from '../dom';
-import type { CutPlot } from './cut_plot';
 
 const AGAIN_MS = 2000;
 /** Greatest share of the time that the server carves the journal again for the forces. */
 const SHARE = 0.05;
 
+/** The view of a curve. */
+export type CutPlotView = ComponentType<{ control: CutControl; curve: CutCurve }>;
+
 export class CutControl {
-  /** The forces of the selected program have come, or of its latest motions. */
-  arrived: (curve: ForceCurve) => void = () => undefined;
-  readonly element = h('div', { class: 'program-cut', hidden: '' });
-  private plot_: Promise<CutPlot> | null = null;
-  private shown_: CutPlot | null = null;
+  /** The curve of the selected program; null: none yet. */
+  readonly curve = signal<CutCurve | null>(null);
+  /** Where its force was greatest; empty: nowhere, or not known yet. */
+  readonly peaks = signal<readonly WrenchPeak[]>([]);
+  /** The view of the plots; null until it is loaded. */
+  readonly plot = signal<CutPlotView | null>(null);
+  private readonly latest_ = signal<ProgramInfo | null>(null);
+  /** Where the program is, s; null: it does not move. */
+  readonly nowS = computed(() => {
+    const { value: latest } = this.latest_;
+    return latest && isOpen(latest) && latest.motions_done > 0 ? latest.elapsed_s : null;
+  });
+  /** The time of the whole program, s. */
+  readonly totalS = computed(() =>
+    Math.max(this.latest_.value?.programmed_s ?? 0, this.curve.value?.timesS.at(-1) ?? 0, 1e-3),
+  );
   private program_: number | null = null;
   /** Motions of the program that are in the curve, or were requested. */
   private motions_ = 0;
   private isBusy_ = false; // or waits until it may request
   private nextMs_ = -Infinity;
-  private latest_: ProgramInfo | null = null;
 
   /**
    * @param ask requests the curve of a participant's cuts
    * @param picked a time of the program; returns its line, if it is known
-   * @param feeds along the program, once its path is known
+   * @param feeds along the program, as a signal's value; null until its path is known
+   * @param load loads the view
    */
   constructor(
     private readonly ask: (participant: number) => Promise<ForceCurve | null>,
-    private readonly picked: (timeS: number) => number | null,
-    private readonly feeds: () => FeedCurve | null,
-    private readonly load = () => import('./cut_plot'),
+    readonly picked: (timeS: number) => number | null,
+    readonly feeds: () => FeedCurve | null,
+    private readonly load: () => Promise<{ CutPlot: CutPlotView }>,
   ) {}
 
   /** Shows another program; null: none. */
@@ -45,24 +61,21 @@ export class CutControl {
     this.program_ = program;
     this.motions_ = 0;
     this.nextMs_ = -Infinity;
-    this.latest_ = null;
-    this.element.hidden = true;
-    this.plot_ = null;
-    this.shown_ = null;
+    batch(() => {
+      this.latest_.value = this.curve.value = null;
+      this.peaks.value = [];
+    });
   }
 
-  /** Shows how far the program has come. Reads the feeds, so that a calling effect tracks them. */
+  /** Shows how far the program has come. */
   update(program: ProgramInfo): void {
     if (program.id !== this.program_) return;
-    this.latest_ = program;
-    this.showNow_();
-    const feeds = this.feeds(); // the path may come later than the forces
-    this.shown_?.setFeeds(feeds);
+    this.latest_.value = program;
     this.refreshIfNewer_();
   }
 
   private refreshIfNewer_(): void {
-    const { latest_: latest } = this;
+    const latest = this.latest_.peek();
     if (!latest || latest.motions_done === this.motions_ || this.isBusy_) return;
     this.isBusy_ = true;
     const delayMs = Math.max(0, this.nextMs_ - performance.now());
@@ -71,7 +84,7 @@ export class CutControl {
   }
 
   private async refresh_(): Promise<void> {
-    const { latest_: program } = this;
+    const program = this.latest_.peek();
     const beganMs = performance.now();
     try {
       if (program) await this.load_(program);
@@ -87,27 +100,13 @@ export class CutControl {
   private async load_(program: ProgramInfo): Promise<void> {
     this.motions_ = program.motions_done;
     const curve = await this.ask(program.participant);
-    if (curve && curve.first.length > 0) await this.show_(program, curve);
-  }
-
-  private async show_(program: ProgramInfo, curve: ForceCurve): Promise<void> {
+    if (!curve || curve.first.length === 0) return;
+    const { CutPlot } = await this.load();
     if (program.id !== this.program_) return;
-    this.arrived(curve);
-    this.plot_ ??= this.load().then(({ CutPlot }) => new CutPlot(this.picked));
-    const plot = await this.plot_;
-    if (program.id !== this.program_) return;
-    if (this.shown_ !== plot) this.element.replaceChildren(plot.element);
-    this.shown_ = plot;
-    this.element.hidden = false;
-    plot.show(cutCurveOf(curve), program.programmed_s);
-    plot.setFeeds(this.feeds());
-    this.showNow_();
-  }
-
-  private showNow_(): void {
-    const { latest_: latest } = this;
-    if (!latest) return;
-    const isUnderWay = isOpen(latest) && latest.motions_done > 0;
-    this.shown_?.setNow(isUnderWay ? latest.elapsed_s : null);
+    batch(() => {
+      this.plot.value = CutPlot;
+      this.curve.value = cutCurveOf(curve);
+      this.peaks.value = curve.peaks;
+    });
   }
 }

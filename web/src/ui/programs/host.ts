@@ -3,6 +3,7 @@
 import type { SessionModel } from '../../model/session';
 import type { ProgramInfo } from '../../wire/types';
 import type { OneOpen } from '../one_open';
+import type { Shell } from '../shell';
 import type { PathHost } from './path_control';
 
 /** The parts of the page that the panel uses. */
@@ -13,13 +14,10 @@ export interface ProgramsPanelHost {
   path?: PathHost;
   /** Closes the panel when another part opens. */
   oneOpen?: OneOpen;
-  /** The panel was opened or closed, and covers another part of the picture. */
-  layoutChanged?: () => void;
+  shell: Shell;
   /** Shows the cuts of a program again; missing: the panel does not offer it. */
   replay?: (program: ProgramInfo) => void;
 }
 
-/** The parts of the page that the button and its panel use. */
-export interface ProgramsHost extends Required<ProgramsPanelHost> {
-  toolbar: HTMLElement;
-}
+/** All of them: the panel of a whole page. */
+export type ProgramsHost = Required<ProgramsPanelHost>;

@@ -1,19 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// The view of the panel of programs. Text, path and plot draw themselves.
+// The view of the panel of programs.
 
 import { t } from '../../strings';
 import type { ProgramInfo } from '../../wire/types';
-import { Foreign } from '../foreign';
+import { useDrops } from '../drops';
 import { count, figure, volume } from '../format';
+import { ProgressBar } from '../progress_bar';
+import { useCovering } from '../shell';
+import type { Shell } from '../shell';
 import { AlarmList } from './alarm_list';
 import { Controls } from './controls';
 import type { ControlActions } from './controls';
+import type { CutControl } from './cut_control';
+import type { PathControl } from './path_control';
+import { PathRow } from './path_row';
 import { ProgramList } from './program_list';
 import type { Alarm, ProgramDetails } from './requests';
 import type { ProgramsState } from './state';
+import type { TextState } from './text_state';
+import { TextView } from './text_view';
 import { duration, watchText } from './texts';
 import { Upload } from './upload';
 import type { RunOptions } from './upload';
+import type { WrenchControl } from './wrench_control';
+import { WrenchRow } from './wrench_row';
 
 function figuresOf(program: ProgramInfo, details: ProgramDetails | undefined): string {
   const removed = volume(program.removed_volume_mm3).join(' ');
@@ -33,20 +43,29 @@ export interface PanelActions extends ControlActions {
   send: (files: FileList | null) => void;
   select: (id: number) => void;
   showAlarm: (alarm: Alarm) => void;
-  /** Moves the text to the live line, and with it. */
-  follow: () => void;
+  pressLine: (line: number) => void;
 }
 
 interface PanelViewProps {
+  shell: Shell;
   state: ProgramsState;
   options: RunOptions;
   actions: PanelActions;
-  text: HTMLElement;
-  cut: HTMLElement;
+  text: TextState;
+  cut: CutControl;
   /** Null without a picture. */
-  path: HTMLElement | null;
-  /** Force and torque along the path; null without a picture. */
-  wrench: HTMLElement | null;
+  path: PathControl | null;
+  /** Null without a picture. */
+  wrench: WrenchControl | null;
+}
+
+function Cut({ cut }: { cut: CutControl }) {
+  const [View, curve] = [cut.plot.value, cut.curve.value];
+  return (
+    <div class="program-cut" hidden={!View || !curve}>
+      {View && curve && <View control={cut} curve={curve} />}
+    </div>
+  );
 }
 
 /** The selected program. */
@@ -57,25 +76,30 @@ function One({ state, actions, cut, path, wrench }: PanelViewProps) {
   return (
     <div class="program-one" hidden={!program}>
       {program && <Controls program={program} may={mayControl} actions={actions} />}
-      <progress
-        max={1}
-        aria-label={t('Progress')}
-        value={motions === 0 ? 1 : motions_done / motions}
-      />
+      <ProgressBar share={motions === 0 ? 1 : motions_done / motions} />
       <p class="quiet program-figures">{program && figuresOf(program, details)}</p>
-      {path && <Foreign element={path} />}
-      {wrench && <Foreign element={wrench} />}
-      <Foreign element={cut} />
+      {path && <PathRow path={path} />}
+      {wrench && <WrenchRow wrench={wrench} />}
+      <Cut key={program?.id} cut={cut} />
       <AlarmList alarms={details?.alarms ?? []} press={actions.showAlarm} />
     </div>
   );
 }
 
 export function PanelView(props: PanelViewProps) {
-  const { state, options, actions, text } = props;
-  const { text: note, isBad } = state.note.value;
+  const { shell, state, options, actions, text } = props;
+  const { note } = state;
+  const isOpen = state.isOpen.value;
+  const element = useCovering<HTMLElement>(shell);
+  const drops = useDrops(() => state.may('run_programs'), actions.send);
   return (
-    <>
+    <section
+      ref={element}
+      class={drops.isOver ? 'programs dropping' : 'programs'}
+      aria-label={t('NC programs')}
+      hidden={!isOpen}
+      {...drops.handlers}
+    >
       <header>
         <h2>{t('NC programs')}</h2>
         <button type="button" class="button quiet-button" onClick={() => actions.close()}>
@@ -83,8 +107,8 @@ export function PanelView(props: PanelViewProps) {
         </button>
       </header>
       <Upload options={options} hidden={!state.may('run_programs')} send={actions.send} />
-      <p class={isBad ? 'program-note bad' : 'program-note'} role="status">
-        {note}
+      <p class={note.value.isBad ? 'program-note bad' : 'program-note'} role="status">
+        {note.value.text}
       </p>
       <ProgramList
         programs={state.programs}
@@ -92,15 +116,15 @@ export function PanelView(props: PanelViewProps) {
         press={(id) => actions.select(id)}
       />
       <One {...props} />
-      <Foreign element={text} />
+      <TextView state={text} pressed={actions.pressLine} />
       <button
         type="button"
         class="button quiet-button program-follow"
-        hidden={state.follows.value}
-        onClick={() => actions.follow()}
+        hidden={text.follows.value}
+        onClick={() => text.follow(true)}
       >
         {t('Show current line')}
       </button>
-    </>
+    </section>
   );
 }

@@ -14,20 +14,13 @@ import {
   reached,
 } from '../../model/program_path';
 import type { FeedCurve, ProgramPath } from '../../model/program_path';
-import { PATH_COLORS, PathView } from '../../view/path_view';
+import { PathView } from '../../view/path_view';
 import type { ProgramInfo, Vec3 } from '../../wire/types';
-import { h, setText } from '../dom';
 import { lengthText } from '../../model/measure';
 import type { Picture } from '../picture';
 
 const NEAR_PX = 10;
 const TAP_PX = 5;
-const LEGEND = [
-  ['past', t('done')],
-  ['future', t('to do')],
-  ['rapid', t('rapid')],
-] as const;
-
 export interface PathHost {
   picture: Picture;
   canvas: HTMLCanvasElement;
@@ -37,17 +30,10 @@ export interface PathHost {
 export class PathControl {
   /** A place near the path was pressed in the picture. */
   pressed: (line: number) => void = () => undefined;
-  private readonly shown_ = h('input', { type: 'checkbox', checked: '' });
-  private readonly note_ = h('span', { class: 'quiet' });
-  readonly element = h(
-    'p',
-    { class: 'program-path' },
-    h('label', {}, this.shown_, t(' Show path')),
-    ...LEGEND.map(([name, text]) =>
-      h('span', { class: `path-key ${name}`, style: `--line:${PATH_COLORS[name]}` }, text),
-    ),
-    this.note_,
-  );
+  /** Whether the user wants to see the path. */
+  readonly isWanted = signal(true);
+  /** Why there is no path, or how accurate it is; empty: exact. */
+  readonly note = signal('');
   private view_: PathView | null = null;
   private program_: number | null = null;
   private readonly path_ = signal<ProgramPath | null>(null);
@@ -62,7 +48,6 @@ export class PathControl {
     private readonly host: PathHost,
     private readonly ask: (program: number) => Promise<ProgramPath>,
   ) {
-    this.shown_.addEventListener('change', () => this.draw_());
     const { canvas } = host;
     canvas.addEventListener('pointerdown', (event) => {
       this.pressedAt_ = event.isPrimary ? { x: event.offsetX, y: event.offsetY } : null;
@@ -76,6 +61,11 @@ export class PathControl {
   /** The path is drawn while the panel is open. */
   setOpen(open: boolean): void {
     this.isOpen_ = open;
+    this.draw_();
+  }
+
+  want(isWanted: boolean): void {
+    this.isWanted.value = isWanted;
     this.draw_();
   }
 
@@ -93,7 +83,7 @@ export class PathControl {
         if (this.wanted_) this.markLine(this.wanted_.line, this.wanted_.place);
       },
       (problem: unknown) => {
-        setText(this.note_, (problem as Error).message);
+        this.note.value = (problem as Error).message;
       },
     );
   }
@@ -148,7 +138,7 @@ export class PathControl {
   }
 
   private get isShown_(): boolean {
-    return this.isOpen_ && this.shown_.checked && this.path_.peek() !== null;
+    return this.isOpen_ && this.isWanted.peek() && this.path_.peek() !== null;
   }
 
   private draw_(): void {
@@ -157,7 +147,7 @@ export class PathControl {
     const path = this.path_.peek();
     this.view_?.show(this.isShown_ ? path : null);
     const error = path?.errorMm ?? 0;
-    setText(this.note_, error > 0 ? t('accurate to {0}', lengthText(error, 'mm')) : '');
+    this.note.value = error > 0 ? t('accurate to {0}', lengthText(error, 'mm')) : '';
   }
 
   private press_(x: number, y: number): void {

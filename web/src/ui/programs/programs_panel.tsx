@@ -2,7 +2,7 @@
 // The panel of NC programs: upload, list, control, text with the live line, alarms.
 
 import { batch, effect, signal, untracked } from '@preact/signals';
-import { render } from 'preact';
+import type { VNode } from 'preact';
 import { t } from '../../strings';
 import '../style/programs.css';
 import { ServerError } from '../../link/server_error';
@@ -11,7 +11,6 @@ import { isOpen } from '../../model/programs';
 import { stockBounds } from '../../model/session';
 import type { SessionModel } from '../../model/session';
 import type { ProgramInfo, Vec3 } from '../../wire/types';
-import { h } from '../dom';
 import { sentence } from '../format';
 import { CutControl } from './cut_control';
 import type { ProgramsPanelHost } from './host';
@@ -21,8 +20,8 @@ import { isOutdated, ProgramRequests } from './requests';
 import type { Alarm, ProgramDetails } from './requests';
 import { ProgramsState } from './state';
 import { TargetChoice } from './target_choice';
-import { TextView } from './text_view';
-import { RunOptions, takeDrops } from './upload';
+import { TextState } from './text_state';
+import { RunOptions } from './upload';
 import { WrenchControl } from './wrench_control';
 
 const ASK_EVERY_MS = 1000; // for the details of a program that moves
@@ -39,51 +38,33 @@ export class ProgramsPanel {
   private readonly state_: ProgramsState;
   private readonly requests_: ProgramRequests;
   private readonly options_: RunOptions;
-  private readonly text_: TextView;
+  private readonly text_ = new TextState();
   private readonly path_: PathControl | null;
-  private readonly wrench_: WrenchControl | null;
   private readonly cut_: CutControl;
+  private readonly wrench_: WrenchControl | null;
   private readonly close_ = (): void => this.toggle();
-  private readonly element_ = h('section', {
-    class: 'programs',
-    'aria-label': t('NC programs'),
-    hidden: '',
-  });
   private isAsking_ = false;
   private askedMs_ = -Infinity;
   /** The line to be shown once its program and its text are there. */
   private readonly wanted_ = signal<ProgramPlace | null>(null);
 
-  constructor(
-    private readonly host: ProgramsPanelHost,
-    private readonly opener: HTMLElement,
-  ) {
-    const { model, session, path } = host;
-    this.state_ = new ProgramsState(model);
+  constructor(private readonly host: ProgramsPanelHost) {
+    const { model, session, path, shell } = host;
+    this.state_ = new ProgramsState(model, shell.isProgramsOpen);
     this.requests_ = new ProgramRequests(session);
     this.options_ = new RunOptions(new TargetChoice(session));
     this.path_ = path ? new PathControl(path, (id) => this.requests_.path(id)) : null;
-    this.wrench_ = path ? new WrenchControl(path.picture, () => arrowMm(model)) : null;
     this.cut_ = new CutControl(
       (participant) => this.requests_.cut(participant),
       (timeS) => this.markTime_(timeS),
       () => this.path_?.feeds ?? null,
+      () => import('./cut_plot'),
     );
-    this.cut_.arrived = ({ peaks }) => this.wrench_?.show(peaks);
-    this.text_ = new TextView(
-      (follows) => (this.state_.follows.value = follows),
-      (line) => this.markPlace_(line),
-    );
+    this.wrench_ = path
+      ? new WrenchControl(path.picture, this.state_.isOpen, this.cut_.peaks, () => arrowMm(model))
+      : null;
     if (this.path_)
-      this.path_.pressed = (line) => this.text_.mark({ line, word: '', isPlace: true });
-    this.draw_();
-    const { state_: state, element_: element } = this;
-    takeDrops(
-      element,
-      () => state.may('run_programs'),
-      (files) => this.sendAll_(files),
-    );
-    (opener.closest('main') ?? document.body).append(element);
+      this.path_.pressed = (line) => this.text_.markLine({ line, word: '', isPlace: true });
     effect(() => this.showOpen_());
     effect(() => this.loadMissing_());
     effect(() => this.selectFirst_());
@@ -97,7 +78,6 @@ export class ProgramsPanel {
     isOpen.value = !isOpen.peek();
     if (isOpen.peek()) this.host.oneOpen?.opens(this.close_);
     else this.host.oneOpen?.closed(this.close_);
-    this.host.layoutChanged?.();
     if (isOpen.peek()) void this.load_();
   }
 
@@ -106,7 +86,7 @@ export class ProgramsPanel {
     this.wanted_.value = place;
   }
 
-  private draw_(): void {
+  view(): VNode {
     const actions = {
       close: () => this.toggle(),
       send: (files: FileList | null) => this.sendAll_(files),
@@ -115,19 +95,19 @@ export class ProgramsPanel {
       cancel: () => this.order_((id) => this.requests_.cancel(id)),
       replay: this.host.replay && ((program: ProgramInfo) => this.replay_(program)),
       showAlarm: (alarm: Alarm) => this.showAlarm_(alarm),
-      follow: () => this.text_.follow(true),
+      pressLine: (line: number) => this.markPlace_(line),
     };
-    render(
+    return (
       <PanelView
+        shell={this.host.shell}
         state={this.state_}
         options={this.options_}
         actions={actions}
-        text={this.text_.element}
-        cut={this.cut_.element}
-        path={this.path_?.element ?? null}
-        wrench={this.wrench_?.element ?? null}
-      />,
-      this.element_,
+        text={this.text_}
+        cut={this.cut_}
+        path={this.path_}
+        wrench={this.wrench_}
+      />
     );
   }
 
@@ -139,12 +119,7 @@ export class ProgramsPanel {
 
   private showOpen_(): void {
     const isOpen = this.state_.isOpen.value;
-    this.element_.hidden = !isOpen;
-    this.opener.setAttribute('aria-expanded', String(isOpen));
-    untracked(() => {
-      this.path_?.setOpen(isOpen);
-      this.wrench_?.setOpen(isOpen);
-    });
+    untracked(() => this.path_?.setOpen(isOpen));
   }
 
   private loadMissing_(): void {
@@ -168,7 +143,7 @@ export class ProgramsPanel {
     if (textOf.value !== wanted.program) return;
     this.wanted_.value = null;
     this.markPlace_(wanted.line, wanted.place);
-    this.text_.element.scrollIntoView({ block: 'nearest' });
+    this.text_.reveal();
     this.path_?.lookAt(wanted.place);
   }
 
@@ -182,7 +157,7 @@ export class ProgramsPanel {
   }
 
   private showAlarm_({ fromLine, place }: Alarm): void {
-    this.text_.mark({ line: fromLine, word: '' });
+    this.text_.markLine({ line: fromLine, word: '' });
     this.path_?.markLine(fromLine, place);
     this.path_?.lookAt(place);
   }
@@ -190,7 +165,7 @@ export class ProgramsPanel {
   /** Marks a line of the text, and its place in the picture. */
   private markPlace_(line: number, place?: Vec3): void {
     if (this.state_.textOf.peek() === null) return;
-    this.text_.mark({ line, word: '', isPlace: true });
+    this.text_.markLine({ line, word: '', isPlace: true });
     this.path_?.markLine(line, place);
   }
 
@@ -198,7 +173,7 @@ export class ProgramsPanel {
   private markTime_(timeS: number): number | null {
     const line = this.path_?.markTime(timeS) ?? null;
     if (line !== null && this.state_.textOf.peek() !== null)
-      this.text_.mark({ line, word: '', isPlace: true });
+      this.text_.markLine({ line, word: '', isPlace: true });
     return line;
   }
 
@@ -207,7 +182,6 @@ export class ProgramsPanel {
     if (id === selected.peek() && textOf.peek() === id) return;
     this.path_?.select(id);
     this.cut_.select(id);
-    this.wrench_?.show([]);
     this.text_.show('');
     batch(() => {
       selected.value = id;
@@ -296,7 +270,7 @@ export class ProgramsPanel {
       this.state_.showsRejected.value = true;
     });
     this.text_.show(text);
-    this.text_.mark(problem);
+    this.text_.markLine(problem);
   }
 
   private say_(text: string, isBad = false): void {

@@ -2,23 +2,25 @@
 // The state of the panel of programs.
 
 import { signal } from '@preact/signals';
+import type { Signal } from '@preact/signals';
 import type { SessionModel } from '../../model/session';
 import type { ProgramInfo } from '../../wire/types';
 import type { ProgramDetails } from './requests';
 
 export class ProgramsState {
-  readonly isOpen = signal(false);
   readonly selected = signal<number | null>(null);
   /** A rejected file is shown. No program replaces it unless the user selects one. */
   readonly showsRejected = signal(false);
   /** The program whose text is shown; null while no text or that of a rejected file is. */
   readonly textOf = signal<number | null>(null);
-  /** Whether the text moves with the live line. */
-  readonly follows = signal(true);
   readonly note = signal({ text: '', isBad: false });
   private readonly details_ = signal<ReadonlyMap<number, ProgramDetails>>(new Map());
 
-  constructor(private readonly model: SessionModel) {}
+  /** @param isOpen whether the panel is open */
+  constructor(
+    private readonly model: SessionModel,
+    readonly isOpen: Signal<boolean>,
+  ) {}
 
   /** The selected program. */
   get program(): ProgramInfo | undefined {

@@ -91,23 +91,3 @@ export function Upload({ options, hidden, send }: UploadProps) {
     </div>
   );
 }
-
-/** Calls `send` with the files that are dropped on `area` while `mayDrop` holds. */
-export function takeDrops(
-  area: HTMLElement,
-  mayDrop: () => boolean,
-  send: (files: FileList | null) => void,
-): void {
-  area.addEventListener('dragover', (event) => {
-    if (!mayDrop() || !event.dataTransfer?.types.includes('Files')) return;
-    event.preventDefault();
-    area.classList.add('dropping');
-  });
-  for (const end of ['dragleave', 'drop'])
-    area.addEventListener(end, () => area.classList.remove('dropping'));
-  area.addEventListener('drop', (event) => {
-    if (!mayDrop()) return;
-    event.preventDefault();
-    send(event.dataTransfer?.files ?? null);
-  });
-}

@@ -2,7 +2,7 @@
 // The strokes, versions and forces of the journal. They are requested while the timeline is open, and
 // only as often as something may have changed.
 
-import { signal } from '@preact/signals';
+import { batch, computed, signal } from '@preact/signals';
 import { forceCurve, listVersions } from '../../link/history';
 import type { Version } from '../../link/history';
 import type { ForceCurve } from '../../model/force_curve';
@@ -25,11 +25,12 @@ const FORCES_MS = 10_000;
 const FORCES_SHARE = 0.05;
 
 export class Records {
-  strokes: readonly Stroke[] = [];
-  rows: readonly StrokeRow[] = [];
-  forces: ForceCurve | null = null;
-  /** The last record. */
-  end = 0;
+  private readonly strokes_ = signal<readonly Stroke[]>([]);
+  private readonly rows_ = computed(() => rowsOf(this.strokes_.value));
+  private readonly end_ = computed(() =>
+    this.strokes_.value.reduce((end, { last }) => Math.max(end, last), 0),
+  );
+  private readonly forces_ = signal<ForceCurve | null>(null);
   private readonly versions_ = signal<readonly Version[]>([]);
   private busy_ = false;
   private askedMs_ = -Infinity;
@@ -42,11 +43,31 @@ export class Records {
 
   constructor(
     private readonly session: string,
-    private readonly changed: () => void,
     private readonly failed: (problem: unknown) => void,
   ) {}
 
-  /** The named versions, as a signal's value. */
+  // All are tracked as signals are.
+
+  get strokes(): readonly Stroke[] {
+    return this.strokes_.value;
+  }
+
+  /** The strokes by participants. */
+  get rows(): readonly StrokeRow[] {
+    return this.rows_.value;
+  }
+
+  /** The last record. */
+  get end(): number {
+    return this.end_.value;
+  }
+
+  /** Null until they have been requested. */
+  get forces(): ForceCurve | null {
+    return this.forces_.value;
+  }
+
+  /** The named versions. */
   get versions(): readonly Version[] {
     return this.versions_.value;
   }
@@ -86,11 +107,10 @@ export class Records {
       const isLatest = this.askedMs_ === nowMs; // nothing was invalidated meanwhile
       if (isAll && isLatest) this.allMs_ = nowMs;
       if (asksVersions && isLatest) this.versionsMs_ = nowMs;
-      this.strokes = joined(this.strokes, since, strokes);
-      this.rows = rowsOf(this.strokes);
-      this.versions_.value = versions;
-      this.end = this.strokes.reduce((end, { last }) => Math.max(end, last), 0);
-      this.changed();
+      batch(() => {
+        this.strokes_.value = joined(this.strokes, since, strokes);
+        this.versions_.value = versions;
+      });
     } catch (problem) {
       this.failed(problem);
     }
@@ -103,8 +123,7 @@ export class Records {
     this.forcesEnd_ = this.end;
     const beganMs = performance.now();
     try {
-      this.forces = await forceCurve(this.session, FORCE_POINTS);
-      this.changed();
+      this.forces_.value = await forceCurve(this.session, FORCE_POINTS);
     } catch (problem) {
       this.failed(problem);
     }

@@ -3,12 +3,10 @@
 // session that begins with the block that is shown.
 
 import { useSignal } from '@preact/signals';
-import { render } from 'preact';
 import { useLayoutEffect, useRef } from 'preact/hooks';
 import { t } from '../../strings';
 import type { Version } from '../../link/history';
 import type { SessionModel } from '../../model/session';
-import { h } from '../dom';
 import { count } from '../format';
 
 export interface VersionActions {
@@ -110,7 +108,8 @@ function VersionMenu(props: {
   );
 }
 
-function Versions({ model, records, actions, proposed }: VersionsProps) {
+/** The controls for versions and branches. */
+export function Versions({ model, records, actions, proposed }: VersionsProps) {
   const chosenName = useSignal('');
   const form = useSignal<FormKind | null>(null);
   const text = useSignal('');
@@ -179,15 +178,4 @@ function Versions({ model, records, actions, proposed }: VersionsProps) {
       />
     </>
   );
-}
-
-/** Returns the group of controls for versions and branches. */
-export function versionControls(props: VersionsProps): HTMLElement {
-  const element = h('div', {
-    class: 'timeline-bookmarks',
-    role: 'group',
-    'aria-label': t('Versions and branches'),
-  });
-  render(<Versions {...props} />, element);
-  return element;
 }

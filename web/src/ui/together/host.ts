@@ -4,6 +4,7 @@ import type { SessionModel } from '../../model/session';
 import type { CameraPose } from '../../wire/types';
 import type { OneOpen } from '../one_open';
 import type { Picture } from '../picture';
+import type { Shell } from '../shell';
 
 /** The parts of the page that the section uses. */
 export interface TogetherHost {
@@ -12,9 +13,7 @@ export interface TogetherHost {
   /** The viewer's name. */
   name: () => string;
   picture: Picture;
-  canvas: HTMLCanvasElement;
-  /** Over the picture, for elements that follow the block. */
-  overlay: HTMLElement;
+  shell: Shell;
   oneOpen: OneOpen;
   /** Shows the viewer's camera to others; null: no longer. */
   showCamera: (pose: CameraPose | null) => void;

@@ -1,49 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sets a pin: the next press on the block gives its point, a dialog its text.
 
-import { effect, signal } from '@preact/signals';
-import { render } from 'preact';
+import { signal } from '@preact/signals';
+import type { Signal } from '@preact/signals';
+import type { VNode } from 'preact';
 import { t } from '../../strings';
 import { PIN_BYTES_MAX, setPin } from '../../link/pins';
 import { firstBehind } from '../../model/section';
 import { hitsOf } from '../../model/surface';
 import type { Viewer } from '../../view/viewer';
 import type { Vec3 } from '../../wire/types';
-import { h } from '../dom';
+import { Dialog } from '../dialog';
 import { sentence } from '../format';
 import type { TogetherHost } from './host';
-import type { TogetherState } from './state';
 
 const TAP_PX = 5;
 const HINT = t('Click a spot on the block. Esc cancels.');
 
-interface FormProps {
-  text: string;
-  write: (text: string) => void;
+interface DialogProps {
+  isOpen: Signal<boolean>;
+  text: Signal<string>;
   save: () => void;
-  cancel: () => void;
 }
 
-function PinForm({ text, write, save, cancel }: FormProps) {
+function PinDialog({ isOpen, text, save }: DialogProps) {
   return (
-    <form method="dialog" onSubmit={save}>
-      <h2>{t('What do you want to say here?')}</h2>
-      <input
-        class="pin-input"
-        aria-label={t('Pin text')}
-        maxLength={PIN_BYTES_MAX}
-        required
-        autocomplete="off"
-        value={text}
-        onInput={({ currentTarget }) => write(currentTarget.value)}
-      />
-      <div class="history-actions">
-        <button class="history-button">{t('Add pin')}</button>
-        <button type="button" class="history-button" onClick={cancel}>
-          {t('Cancel')}
-        </button>
-      </div>
-    </form>
+    <Dialog class="help pin-dialog" label={t('Pin text')} isOpen={isOpen}>
+      <form method="dialog" onSubmit={save}>
+        <h2>{t('What do you want to say here?')}</h2>
+        <input
+          class="pin-input"
+          aria-label={t('Pin text')}
+          maxLength={PIN_BYTES_MAX}
+          required
+          autofocus
+          autocomplete="off"
+          value={text.value}
+          onInput={({ currentTarget }) => (text.value = currentTarget.value)}
+        />
+        <div class="history-actions">
+          <button class="history-button">{t('Add pin')}</button>
+          <button type="button" class="history-button" onClick={() => (isOpen.value = false)}>
+            {t('Cancel')}
+          </button>
+        </div>
+      </form>
+    </Dialog>
   );
 }
 
@@ -52,49 +54,30 @@ export class PinSetter {
   private at_: { point: Vec3; normal: Vec3 } | null = null;
   private readonly text_ = signal('');
   private readonly close_ = (): void => this.aim_(false);
-  private readonly dialog_ = h('dialog', {
-    class: 'help pin-dialog',
-    'aria-label': t('Pin text'),
-  });
+  private readonly isFormOpen_ = signal(false);
 
   constructor(
     private readonly host: TogetherHost,
     private readonly viewer: Viewer,
-    private readonly state: TogetherState,
   ) {
-    this.main_.append(this.dialog_);
-    effect(() => this.show_());
-    effect(() => void host.canvas.classList.toggle('aims', state.isAiming.value));
     this.listen_();
   }
 
   toggle(): void {
-    this.aim_(!this.state.isAiming.value);
+    this.aim_(!this.host.shell.isAiming.value);
   }
 
   /** Keeps the hint in view. */
   update(): void {
-    if (this.state.isAiming.value) this.host.say(HINT);
+    if (this.host.shell.isAiming.value) this.host.say(HINT);
   }
 
-  private get main_(): Element {
-    return this.host.canvas.closest('main') ?? document.body;
-  }
-
-  private show_(): void {
-    render(
-      <PinForm
-        text={this.text_.value}
-        write={(text) => (this.text_.value = text)}
-        save={() => this.save_()}
-        cancel={() => this.dialog_.close()}
-      />,
-      this.dialog_,
-    );
+  dialog(): VNode {
+    return <PinDialog isOpen={this.isFormOpen_} text={this.text_} save={() => this.save_()} />;
   }
 
   private aim_(aims: boolean): void {
-    const { isAiming } = this.state;
+    const { isAiming } = this.host.shell;
     if (aims === isAiming.value) return;
     isAiming.value = aims;
     this.host.say(aims ? HINT : '');
@@ -103,18 +86,17 @@ export class PinSetter {
       return;
     }
     this.host.oneOpen.opens(this.close_);
-    // On phones the sheet covers the block.
-    this.main_.querySelector<HTMLElement>('.panel.open .sheet-handle')?.click();
+    this.host.shell.isSheetOpen.value = false; // on phones it covers the block
   }
 
   private listen_(): void {
-    const { canvas } = this.host;
+    const { canvas } = this.host.shell;
     canvas.addEventListener('pointerdown', (event) => {
       this.pressedAt_ = event.isPrimary ? { x: event.offsetX, y: event.offsetY } : null;
     });
     canvas.addEventListener('pointerup', (event) => {
       const { pressedAt_: at } = this;
-      if (!this.state.isAiming.value || !at || event.button !== 0) return;
+      if (!this.host.shell.isAiming.value || !at || event.button !== 0) return;
       if (Math.hypot(event.offsetX - at.x, event.offsetY - at.y) < TAP_PX)
         this.press_(event.offsetX, event.offsetY);
     });
@@ -132,8 +114,7 @@ export class PinSetter {
     this.at_ = hit;
     this.aim_(false);
     this.text_.value = '';
-    this.dialog_.showModal();
-    this.dialog_.querySelector('input')?.focus();
+    this.isFormOpen_.value = true;
   }
 
   private save_(): void {

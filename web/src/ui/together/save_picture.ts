@@ -4,6 +4,7 @@
 
 import { t } from '../../strings';
 import type { Viewer } from '../../view/viewer';
+import { saveFile } from '../save_file';
 
 /** On the longer side: a screen of 4k. */
 export const PICTURE_PIXELS = 3840;
@@ -52,16 +53,11 @@ export async function pictureOf(viewer: Viewer, pixels = PICTURE_PIXELS): Promis
   return blob;
 }
 
-/** Gives the user a file, whose name is that of the session. */
-export function saveFile(blob: Blob, name: string, extension: string): void {
-  const url = URL.createObjectURL(blob);
-  const link = document.createElement('a');
-  const file = `${name.replaceAll(/[^\p{L}\p{N}_-]+/gu, '-')}${extension}`;
-  Object.assign(link, { href: url, download: file });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(url), 60_000);
+/** Saves a file with the name of the session. */
+export function saveAs(content: Blob, session: string, extension: string): void {
+  saveFile(`${session.replaceAll(/[^\p{L}\p{N}_-]+/gu, '-')}${extension}`, content);
 }
 
 export async function savePicture(viewer: Viewer, name: string): Promise<void> {
-  saveFile(await pictureOf(viewer), name, '.png');
+  saveAs(await pictureOf(viewer), name, '.png');
 }

@@ -3,40 +3,40 @@
 
 import type { ReadonlySignal } from '@preact/signals';
 import { t } from '../../strings';
+import { Section } from '../figures';
 import type { TogetherHost } from './host';
 import type { TogetherState } from './state';
 import type { TogetherPanel } from './together_panel';
 
-export type Action = 'setPin' | 'share' | 'savePicture' | 'saveVideo';
+export type Command = 'setPin' | 'share' | 'savePicture' | 'saveVideo';
 
 interface SectionProps {
   host: TogetherHost;
   state: TogetherState;
   /** Null until it is loaded. */
   panel: ReadonlySignal<TogetherPanel | null>;
-  press: (action: Action) => void;
+  press: (command: Command) => void;
 }
 
-export function Section({ host, state, panel, press }: SectionProps) {
+export function TogetherSection({ host, state, panel, press }: SectionProps) {
   const { welcome } = host.model;
   const maySetPins = welcome?.may === undefined || welcome.may.includes('place_pins');
   const recorded = state.recorded.value;
-  const button = (action: Action) => ({
+  const button = (command: Command) => ({
     type: 'button' as const,
     class: 'history-button',
     'aria-disabled': host.picture.viewer === null,
     onClick: () => {
-      if (host.picture.viewer) press(action);
+      if (host.picture.viewer) press(command);
     },
   });
   return (
-    <>
-      <h2>{t('Share')}</h2>
+    <Section title={t('Share')}>
       <div class="history-actions together-actions">
         <button
           {...button('setPin')}
           title={t('Attach a note to a spot on the block, for everyone')}
-          aria-pressed={state.isAiming.value}
+          aria-pressed={host.shell.isAiming.value}
           hidden={!maySetPins}
         >
           {t('Add a pin')}
@@ -63,6 +63,6 @@ export function Section({ host, state, panel, press }: SectionProps) {
       <ul class="pins" aria-label={t('Pins')}>
         {panel.value?.pinRows()}
       </ul>
-    </>
+    </Section>
   );
 }

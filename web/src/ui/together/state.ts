@@ -4,8 +4,6 @@
 import { signal } from '@preact/signals';
 
 export class TogetherState {
-  /** Whether the next press on the block sets a pin. */
-  readonly isAiming = signal(false);
   /** Whether this viewer's camera is shown to other viewers. */
   readonly isShared = signal(false);
   /** The viewer whose camera this page follows; null if it follows none. */

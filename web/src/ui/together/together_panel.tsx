@@ -14,7 +14,7 @@ import { sentence } from '../format';
 import type { TogetherHost } from './host';
 import { PinSetter } from './pin_setter';
 import { CameraRows, PinRows } from './rows';
-import { saveFile, savePicture } from './save_picture';
+import { saveAs, savePicture } from './save_picture';
 import { SharedViews } from './shared_views';
 import type { TogetherState } from './state';
 
@@ -32,9 +32,9 @@ export class TogetherPanel {
     private readonly viewer: Viewer,
     private readonly state: TogetherState,
   ) {
-    this.marks_ = new PinView(viewer, host.overlay);
-    this.setter_ = new PinSetter(host, viewer, state);
-    this.views_ = new SharedViews(host, viewer, new CameraMarks(viewer, host.overlay), state);
+    this.marks_ = new PinView(viewer, host.shell.overlay);
+    this.setter_ = new PinSetter(host, viewer);
+    this.views_ = new SharedViews(host, viewer, new CameraMarks(viewer, host.shell.overlay), state);
     effect(() => this.marks_.show(host.model.together.pins));
   }
 
@@ -63,6 +63,11 @@ export class TogetherPanel {
         remove={(pin) => this.remove_(pin)}
       />
     );
+  }
+
+  /** The dialog for the text of a pin. */
+  dialog(): VNode {
+    return this.setter_.dialog();
   }
 
   setPin(): void {
@@ -94,7 +99,7 @@ export class TogetherPanel {
       tell(0);
       const { turntableOf } = await import('./turntable');
       const file = await host.picture.withExactTiles(() => turntableOf(viewer, tell, signal));
-      saveFile(file, host.model.welcome?.name ?? host.session, '.mp4');
+      saveAs(file, host.model.welcome?.name ?? host.session, '.mp4');
     } catch (problem) {
       if (!signal.aborted) host.say(sentence((problem as Error).message));
     }

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bar below the picture while one carves: the rack of tools, how the tool follows, its depth,
+// undo, and messages.
+
+import type { ReadonlySignal } from '@preact/signals';
+import { useLayoutEffect, useRef } from 'preact/hooks';
+import { t } from '../strings';
+import './carve.css';
+import { toolName, toolProfile } from '../model/tool_profile';
+import { figure } from '../ui/format';
+import type { ToolInfo } from '../wire/types';
+import type { AimMode } from './aim';
+import type { DragStrength } from './drag';
+import { useCovering } from '../ui/shell';
+import type { Shell } from '../ui/shell';
+import { commonScale, silhouette } from '../ui/silhouette';
+import type { Notes } from './notes';
+import type { ToolSettings } from './tool_settings';
+
+const MODES: readonly [AimMode, string, string][] = [
+  ['surface', t('Surface'), t('The tip follows the surface as it was before this stroke (P)')],
+  ['plane', t('Plane'), t('The tip stays on the plane where the stroke began (P)')],
+];
+const DRAGS: Record<DragStrength, string> = {
+  off: t('Resistance: off'),
+  light: t('Resistance: light'),
+  strong: t('Resistance: strong'),
+};
+const SLIDER_STEPS = 1000;
+
+export function isTouched(): boolean {
+  return matchMedia('(pointer: coarse)').matches;
+}
+
+/** How to carve with the user's pointing device. */
+export function helpText(): string {
+  return isTouched()
+    ? t(
+        'One finger carves, two rotate and zoom, three pan. Hold for a flat plane. Tap with two to undo.',
+      )
+    : t(
+        'Drag on the block to carve. Shift: straight line. Alt: flat plane. Right-drag rotates, the wheel zooms, Esc exits.',
+      );
+}
+
+interface PressProps {
+  label: string;
+  title: string;
+  isPressed?: boolean;
+  class?: string;
+  press: () => void;
+}
+
+function Press({ label, title, isPressed, class: name, press }: PressProps) {
+  return (
+    <button type="button" title={title} class={name} aria-pressed={isPressed} onClick={press}>
+      {label}
+    </button>
+  );
+}
+
+interface ToolProps {
+  tool: ToolInfo;
+  /** As SVG; its text is made of numbers. */
+  drawing: string;
+  isChosen: boolean;
+  choose: () => void;
+}
+
+function Tool({ tool, drawing, isChosen, choose }: ToolProps) {
+  const button = useRef<HTMLButtonElement>(null);
+  useLayoutEffect(() => {
+    if (isChosen) button.current?.scrollIntoView({ block: 'nearest', inline: 'nearest' });
+  }, [isChosen]);
+  const name = toolName(tool);
+  return (
+    <button
+      ref={button}
+      type="button"
+      class="carve-tool"
+      title={`${name} ([ and ])`}
+      aria-pressed={isChosen}
+      onClick={choose}
+    >
+      <span style="display: contents" dangerouslySetInnerHTML={{ __html: drawing }} />
+      <span>{name}</span>
+    </button>
+  );
+}
+
+function Rack({ settings }: { settings: ToolSettings }) {
+  const { tools } = settings;
+  const profiles = tools.map(toolProfile);
+  const scale = commonScale(profiles);
+  return (
+    <div class="carve-rack" role="group" aria-label={t('Tool')}>
+      {tools.map((tool, n) => (
+        <Tool
+          key={tool.id}
+          tool={tool}
+          drawing={silhouette(profiles[n]!, scale)}
+          isChosen={tool.id === settings.tool?.id}
+          choose={() => settings.chooseTool(tool.id)}
+        />
+      ))}
+    </div>
+  );
+}
+
+/** The depth: equal distances on the slider are equal factors. */
+function Depth({ settings }: { settings: ToolSettings }) {
+  const { mm, least, most } = settings.depth.value;
+  const part = Math.log(mm / least) / Math.log(most / least);
+  const text = `${figure(mm)} mm`;
+  return (
+    <div class="carve-depth">
+      <span>{t('Depth')}</span>
+      <input
+        type="range"
+        min={0}
+        max={SLIDER_STEPS}
+        aria-label={t('Depth')}
+        aria-valuetext={text}
+        title={t('Depth below the surface (Ctrl + wheel, or pen pressure)')}
+        value={Math.round(SLIDER_STEPS * part)}
+        onInput={({ currentTarget }) => {
+          const share = Number(currentTarget.value) / SLIDER_STEPS;
+          settings.setDepth(least * (most / least) ** share);
+        }}
+      />
+      <output class="carve-depth-value">{text}</output>
+    </div>
+  );
+}
+
+export interface BarProps {
+  shell: Shell;
+  settings: ToolSettings;
+  notes: Notes;
+  /** A 3D mouse; null: the browser can have none. */
+  spaceMouse: { isThere: ReadonlySignal<boolean>; choose: () => void } | null;
+  undo: () => void;
+  redo: () => void;
+  done: () => void;
+}
+
+function Controls({ settings, spaceMouse, undo, redo, done }: BarProps) {
+  const { value: mode } = settings.mode;
+  const { value: drag } = settings.drag;
+  return (
+    <div class="carve-controls">
+      <div class="carve-modes" role="group" aria-label={t('The tip follows')}>
+        {MODES.map(([one, label, title]) => (
+          <Press
+            key={one}
+            {...{ label, title }}
+            isPressed={one === mode}
+            press={() => settings.chooseMode(one)}
+          />
+        ))}
+      </div>
+      <Press
+        label={t('Lean')}
+        title={t('Leans the tool with the surface or the pen, up to 45° (L)')}
+        isPressed={settings.leans.value}
+        press={() => settings.toggleLean()}
+      />
+      <Press
+        label={DRAGS[drag]}
+        title={t('Holds the tool back in heavy cuts: off, light or strong (D)')}
+        isPressed={drag !== 'off'}
+        press={() => settings.nextDrag()}
+      />
+      <Depth settings={settings} />
+      <Press
+        label={t('Undo')}
+        title={t('Undo your last stroke (Ctrl+Z, or tap with two fingers)')}
+        press={undo}
+      />
+      <Press
+        label={t('Redo')}
+        title={t('Redo (Ctrl+Shift+Z, or tap with three fingers)')}
+        press={redo}
+      />
+      {spaceMouse && (
+        <Press
+          label={t('3D mouse')}
+          title={t('Connect a 3D mouse: the cap moves and leans the tool, the left button cuts')}
+          isPressed={spaceMouse.isThere.value}
+          press={spaceMouse.choose}
+        />
+      )}
+      <Press
+        label={t('Done')}
+        title={t('Done: stop carving (Esc)')}
+        class="carve-done"
+        press={done}
+      />
+    </div>
+  );
+}
+
+export function CarveBar(props: BarProps) {
+  const element = useCovering<HTMLElement>(props.shell, '--carve-bar');
+  const { text, isProblem } = props.notes.shown;
+  return (
+    <section ref={element} class="carve-bar" aria-label={t('Carve')}>
+      <Rack settings={props.settings} />
+      <Controls {...props} />
+      <p class={isProblem ? 'carve-note problem' : 'carve-note'} role="status">
+        {text}
+      </p>
+    </section>
+  );
+}

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+// The side panel of the page without a server: files, how far the program is, its text, figures,
+// downloads.
+
+import type { ReadonlySignal } from '@preact/signals';
+import { t } from '../strings';
+import '../ui/style/programs.css';
+import { CapMouseChoice } from '../carve/devices/cap_mouse';
+import type { CapMouseHost } from '../carve/devices/cap_mouse';
+import type { Participants } from '../model/participants';
+import { Details, Figure, Section } from '../ui/figures';
+import { count, figure, volume } from '../ui/format';
+import { LanguageChoice } from '../ui/language_choice';
+import { MaterialChoice } from '../ui/material_choice';
+import { PanelFrame } from '../ui/panel_frame';
+import type { Picture } from '../ui/picture';
+import { duration } from '../ui/programs/texts';
+import type { TextState } from '../ui/programs/text_state';
+import { TextView } from '../ui/programs/text_view';
+import { ProgressBar } from '../ui/progress_bar';
+import type { Shell } from '../ui/shell';
+import { TransportView } from '../ui/timeline/transport';
+import type { Transport } from '../ui/timeline/transport';
+import type { ShownPath } from './local_path';
+import { NameField } from './name_field';
+import type { About, GivenFiles, Progress, TakeHomeFormat } from './program_block';
+import type { LocalState } from './state';
+
+/** The files that can be removed one by one. */
+export type FileKind = 'program' | 'scene' | 'stock' | 'journal';
+
+export interface SideActions {
+  choose: () => void;
+  remove: (kind: FileKind) => void;
+  /** Stops the worker. */
+  stop: () => void;
+  seek: (motion: number) => void;
+  takeHome: (format: TakeHomeFormat) => void;
+  save: () => void;
+  linePressed: (line: number) => void;
+}
+
+export interface SidePanelProps {
+  shell: Shell;
+  state: LocalState;
+  text: TextState;
+  transport: Transport;
+  path: ReadonlySignal<ShownPath | null>;
+  participants: Participants;
+  picture: Picture;
+  /** The camera that a 3D mouse moves. */
+  capMouse: CapMouseHost;
+  actions: SideActions;
+}
+
+const KINDS: readonly [FileKind, string][] = [
+  ['journal', t('KERF file')],
+  ['program', t('program')],
+  ['scene', t('scene')],
+  ['stock', t('stock')],
+];
+
+interface FileListProps {
+  files: GivenFiles;
+  remove: (kind: FileKind) => void;
+}
+
+function FileList({ files, remove }: FileListProps) {
+  return (
+    <ul class="given-files">
+      {KINDS.map(([kind, label]) => {
+        const file = files[kind];
+        return (
+          file && (
+            <li key={kind}>
+              <span>{file.name}</span>
+              <small class="quiet">{label}</small>
+              <button
+                type="button"
+                class="quiet-action"
+                aria-label={t('Remove {0}', file.name)}
+                onClick={() => remove(kind)}
+              >
+                {t('Remove')}
+              </button>
+            </li>
+          )
+        );
+      })}
+      {files.others.map(({ name }) => (
+        <li key={name}>
+          <span>{name}</span>
+          <small class="quiet">{t('subroutine')}</small>
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** “Step 3 of 9, line 12, 0:03 / 0:09” */
+function placeText(about: About, { carved, line, machining_s }: Progress): string {
+  const where = t('Step {0} of {1}', count(carved), count(about.motions));
+  const time = `${duration(machining_s)} / ${duration(about.machining_s)}`;
+  return line > 0 ? t('{0}, line {1}, {2}', where, count(line), time) : where;
+}
+
+function shareOf(carved: number, motions: number): number {
+  return motions > 0 ? carved / motions : 1;
+}
+
+/** How far the program or the journal is, and the controls that move it. */
+function Program({ state, text, transport, path, actions }: SidePanelProps) {
+  const { value: about } = state.about;
+  const { value: progress } = state.progress;
+  const { value: shownPath } = path;
+  const isBusy = state.isBusy.value;
+  const { value: status } = state.status;
+  const isReading = status === 'reading';
+  const isProgram = state.text.value !== null && !state.hasJournal.value;
+  const motions = about?.motions ?? 0;
+  const carved = progress?.carved ?? 0;
+  const place = about && progress && status !== 'failed' ? placeText(about, progress) : '';
+  const hasSteps =
+    state.text.value !== null || state.files.value.journal !== null || state.hasJournal.value;
+  return (
+    <Section title={isProgram ? t('Program') : t('History')} hidden={!hasSteps}>
+      <div class="program-one">
+        <ProgressBar share={isReading ? null : shareOf(carved, motions)} hidden={!isBusy} />
+      </div>
+      <div class="scrub-row">
+        <input
+          type="range"
+          min="0"
+          step="1"
+          class="scrub"
+          aria-label={t('Position in the program')}
+          aria-valuetext={place}
+          max={motions}
+          disabled={about === null}
+          value={state.wish.value ?? carved}
+          onInput={({ currentTarget }) => actions.seek(Number(currentTarget.value))}
+        />
+        <button type="button" class="history-button" hidden={!isBusy} onClick={actions.stop}>
+          {t('Stop')}
+        </button>
+      </div>
+      <TransportView transport={transport} />
+      <p class="quiet program-figures">{isReading ? t('Reading…') : place}</p>
+      {shownPath && <shownPath.Row path={shownPath.control} />}
+      <TextView
+        state={text}
+        hidden={state.text.value === null}
+        pressed={(line) => actions.linePressed(line)}
+      />
+    </Section>
+  );
+}
+
+function Downloads({ state, actions }: Pick<SidePanelProps, 'state' | 'actions'>) {
+  const isDisabled = !state.canSave.value;
+  const hasJournal = state.hasJournal.value;
+  return (
+    <Section title={t('Downloads')}>
+      <div class="history-actions">
+        {(['stl', '3mf'] as const).map((format) => (
+          <button
+            key={format}
+            type="button"
+            class="history-button"
+            disabled={isDisabled}
+            onClick={() => actions.takeHome(format)}
+          >
+            {format.toUpperCase()}
+          </button>
+        ))}
+        <button
+          type="button"
+          class="history-button"
+          title={t('Saves the block with all strokes, to open here or in kerf-server')}
+          disabled={isDisabled}
+          hidden={!hasJournal}
+          onClick={actions.save}
+        >
+          KERF
+        </button>
+      </div>
+      <NameField hidden={!hasJournal} />
+    </Section>
+  );
+}
+
+function Notes({ about }: { about: About | null }) {
+  const lines = [...(about?.notes ?? []), ...(about?.warnings ?? [])];
+  return (
+    <Section title={t('Notes')} hidden={lines.length === 0}>
+      <ul class="given-notes quiet">
+        {lines.map((line, n) => (
+          <li key={n}>{line}</li>
+        ))}
+      </ul>
+    </Section>
+  );
+}
+
+function BlockDetails({ state }: { state: LocalState }) {
+  const { value: about } = state.about;
+  const { value: hash } = state.hash;
+  // A journal counts records: motions, undo and others.
+  const isJournal = about?.kernel_version !== undefined;
+  return (
+    <Details>
+      <dl class="figures">
+        <Figure
+          label={isJournal ? t('Steps') : t('Motions')}
+          value={about ? count(about.motions) : '–'}
+        />
+        <Figure
+          label={t('Triangles')}
+          value={state.progress.value ? count(state.triangles.value) : '–'}
+        />
+        <Figure
+          label={t('Grid spacing')}
+          value={about ? figure(about.pitch_mm) : '–'}
+          unit={about ? 'mm' : ''}
+        />
+      </dl>
+      <p class="quiet hash">
+        {t('State hash ')}
+        <code
+          class={hash === null ? '' : 'settled'}
+          title={t('State hash: kerf-carve prints the same one for the same files')}
+          data-settled={t('complete')}
+        >
+          {hash ?? '–'}
+        </code>
+      </p>
+      <p class="quiet program-figures">
+        {hash !== null &&
+          t('Carved in {0} s in this browser.', figure(state.carvingMs.value / 1000))}
+      </p>
+    </Details>
+  );
+}
+
+export function SidePanel(props: SidePanelProps) {
+  const { shell, state, participants, picture, capMouse, actions } = props;
+  const { value: progress } = state.progress;
+  const [removed, unit] = progress ? volume(progress.removed_mm3) : ['–', ''];
+  return (
+    <PanelFrame shell={shell} label={t('Details')}>
+      <Section title={t('Files')}>
+        <FileList files={state.files.value} remove={actions.remove} />
+        <button type="button" class="history-button" onClick={actions.choose}>
+          {t('Choose files…')}
+        </button>
+        <p class="program-note bad" role="alert">
+          {state.error.value}
+        </p>
+      </Section>
+      <Program {...props} />
+      <dl class="figures">
+        <Figure label={t('Removed')} value={removed} unit={unit} />
+      </dl>
+      <Downloads state={state} actions={actions} />
+      <Notes about={state.about.value} />
+      <Section title={t('Material')}>
+        <MaterialChoice picture={picture} participants={participants} />
+      </Section>
+      <p class="quiet program-figures" role="status">
+        {state.stored.value}
+      </p>
+      <BlockDetails state={state} />
+      <div class="preferences">
+        <LanguageChoice />
+        <CapMouseChoice host={capMouse} />
+      </div>
+    </PanelFrame>
+  );
+}

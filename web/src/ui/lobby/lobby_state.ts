@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// The list of this server's sessions, as it was requested last, and its management.
+
+import { signal } from '@preact/signals';
+import { listSessions } from '../../link/api';
+import type { SessionSummary } from '../../link/api';
+import { closeSession, listTemplates, priceOf } from '../../link/lobby_requests';
+import type { Template } from '../../link/lobby_requests';
+import type { ServerError } from '../../link/server_error';
+import { sentence } from '../format';
+import { NewBlock } from './new_block_state';
+
+const UPDATE_MS = 3000;
+
+export class LobbyState {
+  readonly sessions;
+  /** The form of a new block; null until its templates are known. */
+  readonly newBlock = signal<NewBlock | null>(null);
+  /** Whether this viewer may create and close sessions. */
+  readonly mayManage = signal(false);
+  /** The session that the user is asked about before it is closed; null: none. */
+  readonly toClose = signal<SessionSummary | null>(null);
+  readonly fault = signal('');
+  private pollFault_ = ''; // the fault if it is one of polling the list
+
+  constructor(sessions: readonly SessionSummary[]) {
+    this.sessions = signal(sessions);
+  }
+
+  start(): void {
+    void this.addForm_();
+    setInterval(() => void this.update(), UPDATE_MS);
+    document.addEventListener('visibilitychange', () => void this.update());
+  }
+
+  /** Requests the list again, unless the page is hidden. */
+  async update(): Promise<void> {
+    if (document.hidden) return;
+    try {
+      this.sessions.value = await listSessions();
+      if (this.fault.peek() === this.pollFault_) this.fault.value = ''; // no other fault
+    } catch (problem) {
+      this.pollFault_ = (problem as Error).message;
+      this.fault.value = this.pollFault_;
+    }
+  }
+
+  async close({ id }: SessionSummary): Promise<void> {
+    try {
+      await closeSession(id);
+    } catch (problem) {
+      this.tell_(problem);
+      return;
+    }
+    await this.update();
+  }
+
+  private async addForm_(): Promise<void> {
+    let templates: Template[];
+    try {
+      templates = await listTemplates();
+    } catch (problem) {
+      this.tell_(problem);
+      return;
+    }
+    const block = new NewBlock(templates, () => this.sessions.peek().map(({ id }) => id));
+    this.newBlock.value = block;
+    block.whyNot.value = await this.whyNotCreate_(templates);
+    this.mayManage.value = block.whyNot.peek() === '';
+  }
+
+  /** Why the viewer may not create sessions; empty: it may. */
+  private async whyNotCreate_(templates: readonly Template[]): Promise<string> {
+    try {
+      await priceOf(templates[0]?.scene ?? {});
+    } catch (problem) {
+      const { status, message } = problem as ServerError;
+      if (status === 401 || status === 403) return sentence(message);
+    }
+    return '';
+  }
+
+  private tell_(problem: unknown): void {
+    this.fault.value = sentence((problem as Error).message);
+  }
+}
