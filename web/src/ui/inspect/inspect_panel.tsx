@@ -2,7 +2,9 @@
 // The panel for sections and measures, and their effect in the picture.
 
 import { effect, signal, untracked } from '@preact/signals';
-import '../style/inspect.css';
+import './inspect.css';
+import './marks.css';
+import './owners.css';
 import '../style/deviation.css';
 import type { LengthUnit } from '../../model/measure';
 import type { Bounds } from '../../model/session';
