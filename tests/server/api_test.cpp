@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests to the whole interface, without sockets.
 #include "server/http/api.h"
+#include "server/http/routes.h"
 
 #include <nlohmann/json.hpp>
 
@@ -26,6 +27,9 @@ class ApiTest : public SessionTest {
     request.method = method;
     request.body = std::move(body);
     return api->handle(request);
+  }
+  RouteMatch match(std::string_view method, std::string_view target) const {
+    return api->routes().match(method, parse_target(target)->path);
   }
   static std::string code(const ApiResponse& response) {
     return nlohmann::json::parse(response.body).at("error").at("code");
@@ -93,7 +97,7 @@ TEST_F(ApiTest, UnknownPathsAreNotFound) {
 TEST_F(ApiTest, ListsAndHealthDoNotWaitForASession) {
   const auto session = start();
   move(*session, join(*session), 0, 0, -1);
-  for (const Route& route : table().all()) {
+  for (const Route& route : api->routes().all()) {
     if (route.runs != Runs::kAtOnce || route.upgrade != Upgrade::kNone) continue;
     std::string target(route.pattern);
     if (const auto id = target.find("{id}"); id != target.npos) target.replace(id, 4, "block");
@@ -111,7 +115,7 @@ TEST_F(ApiTest, ListsAndHealthDoNotWaitForASession) {
 
 TEST_F(ApiTest, OtherMethodsAreNotAllowed) {
   const auto session = start();
-  for (const Route& route : table().all()) {
+  for (const Route& route : api->routes().all()) {
     if (route.upgrade != Upgrade::kNone) continue;
     std::string target(route.pattern);
     if (const auto id = target.find("{id}"); id != target.npos) target.replace(id, 4, "block");
