@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests to the whole interface, without sockets.
 #include "server/http/api.h"
-#include "server/http/routes.h"
 
 #include <nlohmann/json.hpp>
 
+#include "server/http/routes.h"
 #include "server/matters.h"
 #include "tests/server/session_fixture.h"
 #include "tests/support/test.h"
