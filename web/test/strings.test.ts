@@ -11,7 +11,7 @@ const SOURCES = new URL('../src/', import.meta.url);
 /** Attributes that are shown or read aloud. */
 const TOLD = /^(aria-label|aria-description|aria-valuetext|title|placeholder|alt)$/;
 /** The same in every language: names of programs, formats, units and keys. */
-const NAMES = /^(Kerf|CAM|CAD|N·mm|mm)$/;
+const NAMES = /^(Kerf|KERF|CAM|CAD|N·mm|mm)$/;
 
 function parsed(file: string): ts.SourceFile {
   const text = readFileSync(new URL(file, SOURCES), 'utf8');
@@ -79,21 +79,20 @@ describe('the texts of the page', () => {
 
   it('are given to t() wherever an element is made', () => {
     const plain: string[] = [];
+    const noteText = (text: string, file: ts.SourceFile): void => {
+      if (/[A-Za-z]{2}/.test(text) && !NAMES.test(text.trim()))
+        plain.push(`${file.fileName}: ${text}`);
+    };
     const note = (node: ts.Expression | undefined, file: ts.SourceFile): void => {
-      if (!node || !ts.isStringLiteralLike(node)) return;
-      if (/[A-Za-z]{2}/.test(node.text) && !NAMES.test(node.text.trim()))
-        plain.push(`${file.fileName}: ${node.text}`);
+      if (node && ts.isStringLiteralLike(node)) noteText(node.text, file);
     };
     for (const file of FILES)
       each(file, (node) => {
         if (ts.isCallExpression(node)) {
           const called = node.expression.getText();
-          if (called === 'h') for (const child of node.arguments.slice(2)) note(child, file);
           if (/(^|\.)(setText|say|say_)$/.test(called)) note(node.arguments.at(-1), file);
-          if (called === 'iconButton') note(node.arguments[1], file);
         }
-        if (ts.isJsxText(node) && /[A-Za-z]{2}/.test(node.text))
-          plain.push(`${file.fileName}: ${node.text}`);
+        if (ts.isJsxText(node)) noteText(node.text, file);
         if (ts.isJsxAttribute(node) && TOLD.test(node.name.getText())) note(node.initializer, file);
         if (ts.isJsxExpression(node) && !ts.isJsxAttribute(node.parent))
           note(node.expression, file);

@@ -12,11 +12,16 @@ import { SessionModel } from '../../src/model/session';
 import type { Welcome } from '../../src/wire/types';
 
 const mounted = vi.hoisted(() => ({ host: null as CarveHost | null, toggle: vi.fn() }));
-vi.mock('../../src/carve/mount', () => ({
-  mountCarve: (host: CarveHost) => {
-    mounted.host = host;
-    const off = (): boolean => false;
-    return { toggle: mounted.toggle, isActive: off, isBusy: off, update: () => undefined };
+vi.mock('../../src/carve/part', () => ({
+  CarvePart: class {
+    readonly action = { name: 'carve' };
+    readonly toggle = mounted.toggle;
+    readonly isActive = false;
+    readonly isBusy = false;
+    readonly vrState = null;
+    constructor(host: CarveHost) {
+      mounted.host = host;
+    }
   },
 }));
 vi.mock('../../src/local/autosave', () => ({
