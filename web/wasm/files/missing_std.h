@@ -9,13 +9,9 @@
 #include <filesystem>
 #include <system_error>
 
-namespace std {
+#include "web/wasm/stop_token.h"
 
-/// A module has one thread, so nobody requests a stop while it runs: its worker is ended instead.
-class stop_token {
- public:
-  bool stop_requested() const noexcept { return false; }
-};
+namespace std {
 
 /// Reads a number as the standard says, correctly rounded.
 from_chars_result from_chars(const char* first, const char* last, double& value,
