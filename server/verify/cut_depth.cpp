@@ -36,7 +36,8 @@ CutDepth::CutDepth(const Tool& tool, const ToolPose& from, const ToolPose& to, d
       rows_(std::move(before), std::move(after), cut) {}
 
 double CutDepth::sought_mm() const {
-  return std::max(ignored_mm_, depth_mm_ + kAccuracyShare * rows_.after().grid().pitch_mm);
+  if (depth_mm_ <= ignored_mm_) return ignored_mm_;
+  return depth_mm_ + kAccuracyShare * rows_.after().grid().pitch_mm;
 }
 
 /// No point is deeper in a tool than its radius.

@@ -109,11 +109,20 @@ def records(path):
     version = file.execute('PRAGMA user_version').fetchone()[0]
     if version not in (1, 2):
         sys.exit(f'{path} has version {version} of the format; this program reads 1 and 2')
+    tables = [name for name, in file.execute('SELECT name FROM sqlite_master')]
+    if 'commands' in tables:
+        yield from old_records(file)
+    if 'batches' in tables:
+        yield from batched_records(file, path)
+
+
+def old_records(file):
     for number, who, data in file.execute(
             'SELECT sequence, participant, bytes FROM commands ORDER BY sequence'):
         yield {'record': number, 'participant': who, **whole(data)}
-    if version == 1:
-        return
+
+
+def batched_records(file, path):
     for first, count, wall_ms, span_ms, data, crc in file.execute(
             'SELECT first, count, wall_ms, span_ms, bytes, crc FROM batches ORDER BY first'):
         head = struct.pack('<QQqq', first, count, wall_ms, span_ms)
