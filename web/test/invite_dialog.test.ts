@@ -27,12 +27,12 @@ describe('the dialog of an invitation', () => {
     );
     vi.stubGlobal('fetch', respond);
   }
-  const one = <E extends HTMLElement>(name: string): E => root.querySelector<E>(`.${name}`)!;
+  const one = (name: string): HTMLElement => root.querySelector<HTMLElement>(`.${name}`)!;
   const roles = (): HTMLInputElement[] => [
     ...root.querySelectorAll<HTMLInputElement>('input[type=radio]'),
   ];
   const note = (): string => one('quiet[role=status]').textContent;
-  const link = (): HTMLInputElement => one('invite-link');
+  const link = (): HTMLInputElement => one('invite-link') as HTMLInputElement;
   const create = (): Promise<void> => press(buttonOf(root, 'Create link'));
 
   it('asks for a sculptor for a week at first', async () => {
@@ -47,7 +47,7 @@ describe('the dialog of an invitation', () => {
 
   it('asks for the role and the time that are chosen', async () => {
     roles()[0]!.dispatchEvent(new Event('change'));
-    await enter(one<HTMLSelectElement>('invite-time'), '24');
+    await enter(one('invite-time') as HTMLSelectElement, '24');
     await create();
     expect(respond.mock.calls[0]![0]).toBe('/v1/sessions/demo/invitations?role=watcher&hours=24');
   });

@@ -36,8 +36,7 @@ describe('a key', () => {
       (...values: unknown[]): void =>
         void called.push([name, ...values].join(' '));
     actions = KEYS.map(([name, key]) => ({ name, label: name, key, perform: note(name) }));
-    const moves = ['preset', 'orbit', 'pan', 'zoom'].map((name) => [name, note(name)]);
-    camera = Object.fromEntries(moves) as unknown as CameraKeys;
+    camera = { preset: note('preset'), orbit: note('orbit'), pan: note('pan'), zoom: note('zoom') };
     vi.stubGlobal('window', {
       addEventListener: (_name: string, listener: typeof down) => (down = listener),
     });

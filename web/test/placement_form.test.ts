@@ -34,7 +34,7 @@ describe('the form that places a model', () => {
   const size = (): string => root.querySelector('[role=status]')!.textContent;
   const unit = (): HTMLSelectElement => root.querySelector('select')!;
   const question = (): HTMLElement => root.querySelector('[role=alert]')!;
-  const field = (label: string): HTMLInputElement => labelled(root, label);
+  const field = (label: string): HTMLInputElement => labelled(root, label) as HTMLInputElement;
   const fill = (label: string, value: string): Promise<void> => enter(field(label), value);
 
   it('says how large the model is, and where', () => {

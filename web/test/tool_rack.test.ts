@@ -19,10 +19,10 @@ describe('the tools of a new block', () => {
   }
   beforeEach(() => open(BALL, FLAT));
 
-  const button = (label: string): HTMLButtonElement => labelled(root, label);
+  const button = (label: string): HTMLButtonElement => labelled(root, label) as HTMLButtonElement;
   const addTool = (): Promise<void> => press(buttonOf(root, 'Add a tool'));
   const enterMm = (label: string, value: number | ''): Promise<void> =>
-    enter(labelled<HTMLInputElement>(root, `${label}, mm`), String(value));
+    enter(labelled(root, `${label}, mm`) as HTMLInputElement, String(value));
 
   it('get a ball end mill with an id of its own', async () => {
     await addTool();
@@ -37,7 +37,7 @@ describe('the tools of a new block', () => {
   it('get an outline by numbers, with a point more and a line in place of the arc', async () => {
     await addTool();
     await press(button('Add a point before point 3'));
-    await enter(labelled<HTMLSelectElement>(root, 'Line or arc to point 2'), 'line');
+    await enter(labelled(root, 'Line or arc to point 2') as HTMLSelectElement, 'line');
     const outline = [
       [0, 0],
       [5, 0],
@@ -61,7 +61,7 @@ describe('the tools of a new block', () => {
 
   it('go, with their outline, but for the last one', async () => {
     await press(button('Outline of T1, ball 6 mm'));
-    expect(labelled<HTMLInputElement>(root, 'Radius of point 1, mm').value).toBe('0');
+    expect((labelled(root, 'Radius of point 1, mm') as HTMLInputElement).value).toBe('0');
     await press(button('Remove T1, ball 6 mm'));
     expect(rack.tools).toEqual([FLAT]);
     expect(() => labelled(root, 'Radius of point 1, mm')).toThrow('nothing is called');

@@ -29,7 +29,8 @@ describe('the toolbar', () => {
     shell = emptyShell();
     shell.show(null, h(Toolbar, { shell, actions }));
   });
-  const button = (label: string): HTMLButtonElement => labelled(document, label);
+  const button = (label: string): HTMLButtonElement =>
+    labelled(document, label) as HTMLButtonElement;
 
   it('names the key of an action, and performs it', () => {
     expect(button('Panel').title).toBe('Panel (P)');

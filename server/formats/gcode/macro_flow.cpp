@@ -15,7 +15,7 @@ namespace {
 
 // Fanuc: P above 9999 without such a program is the number of calls and the program (P32000).
 constexpr int kProgramsOfFour = 10'000;
-constexpr int kRepeatsMax = 1'000'000;
+constexpr int kCallRepeatsMax = 1'000'000;
 
 int integer(double value, const std::string& text, int least, int most) {
   if (!is_gcode_integer(value) || value < least - 0.5 || value > most + 0.5)
@@ -198,7 +198,7 @@ std::optional<MacroFlow::Call> MacroFlow::take_call(GcodeBlock& block) {
   if (!number && call.kind != Call::Kind::kReturn)
     throw ProgramFault{call.text, "requires P, the number of the program to call"};
   call.number = number.value_or(0);
-  call.repeats = take('l', 0, kRepeatsMax).value_or(1);
+  call.repeats = take('l', 0, kCallRepeatsMax).value_or(1);
   return call;
 }
 
@@ -223,7 +223,7 @@ std::optional<MacroFlow::Call> MacroFlow::read_macro_call(std::string_view code)
     if (letter == 'p') {
       call.number = integer(value, text, 1, 999'999);
     } else if (letter == 'l') {
-      call.repeats = integer(value, text, 0, kRepeatsMax);
+      call.repeats = integer(value, text, 0, kCallRepeatsMax);
     } else if (const int variable = argument_variable(letter)) {
       const bool grouped = letter >= 'i' && letter <= 'k';
       const int at = grouped ? ijk.variable_of(letter, text) : variable;

@@ -22,8 +22,8 @@ export function emptyShell(): Shell {
 }
 
 /** The element below another one that has this accessible name. */
-export function labelled<E extends HTMLElement>(root: ParentNode, label: string): E {
-  const found = [...root.querySelectorAll<E>('[aria-label]')].find(
+export function labelled(root: ParentNode, label: string): HTMLElement {
+  const found = [...root.querySelectorAll<HTMLElement>('[aria-label]')].find(
     (one) => one.getAttribute('aria-label') === label,
   );
   if (!found) throw new Error(`nothing is called ${label}`);
