@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/disk_limits.h"
 
+#include <ftw.h>
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <limits>
@@ -26,19 +29,25 @@ std::string megabytes(std::uintmax_t bytes) {
   return text;
 }
 
+// libstdc++'s recursive_directory_iterator ends the program if it lacks memory.
+thread_local std::uintmax_t regular_bytes;
+/// Adds the size of a file to `regular_bytes`. Files may appear and disappear during the walk.
+int add_regular(const char*, const struct stat* status, int type, FTW*) {
+  if (type == FTW_F && S_ISREG(status->st_mode)) {
+    regular_bytes += static_cast<std::uintmax_t>(status->st_size);
+  }
+  return 0;
+}
+
 }  // namespace
 
 DiskUse measure_disk(const std::filesystem::path& folder) {
   DiskUse use;
+  constexpr int kOpenFolders = 16;
+  regular_bytes = 0;
+  nftw(folder.c_str(), &add_regular, kOpenFolders, FTW_PHYS);
+  use.folder = regular_bytes;
   std::error_code error;
-  // Files may appear and disappear during the iteration.
-  using Iterator = std::filesystem::recursive_directory_iterator;
-  const auto options = std::filesystem::directory_options::skip_permission_denied;
-  for (Iterator entry(folder, options, error); !error && entry != Iterator();
-       entry.increment(error)) {
-    std::error_code gone;
-    if (entry->is_regular_file(gone)) use.folder += size_of(entry->path());
-  }
   const auto space = std::filesystem::space(folder, error);
   const bool is_known = !error && space.capacity > 0;  // some file systems report nothing
   use.free = is_known ? space.available : std::numeric_limits<std::uintmax_t>::max();

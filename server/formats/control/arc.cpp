@@ -19,7 +19,7 @@ constexpr double kRadiusDifferenceMaxFactor = 100;
 // accepted as rounding of the program's text (LinuxCNC: 0.00005 inch).
 constexpr double kRadiusToleranceMm = 0.00127;
 // Ends nearer than this are equal, which makes a full circle. One step of the pose grid.
-constexpr double kClosedMm = 1e-6;
+constexpr double kWholeTurnMm = 1e-6;
 constexpr double kChordMaxRad = std::numbers::pi / 4;
 
 // Returns the center for the R form: on the perpendicular bisector of the chord, on the side that
@@ -28,7 +28,7 @@ PlanePoint center_of_radius(PlanePoint a, PlanePoint b, double radius, bool cloc
   const double dx = b.first - a.first;
   const double dy = b.second - a.second;
   const double chord = std::hypot(dx, dy);
-  if (chord < kClosedMm)
+  if (chord < kWholeTurnMm)
     throw ProgramFault{"R", "cannot define a full circle; give the center with I, J, K"};
   const double half = chord / 2;
   if (half > std::abs(radius) + kRadiusToleranceMm)
@@ -105,7 +105,7 @@ Arc arc_about(Vec3 start, Vec3 end, ArcPlane plane, PlanePoint c, int turns) {
   arc.start_angle_rad = std::atan2(a.second - c.second, a.first - c.first);
   const double end_angle = std::atan2(b.second - c.second, b.first - c.first);
   double sweep = std::fmod(end_angle - arc.start_angle_rad, kTurnRad);
-  const bool full = std::hypot(a.first - b.first, a.second - b.second) < kClosedMm;
+  const bool full = std::hypot(a.first - b.first, a.second - b.second) < kWholeTurnMm;
   if (full) sweep = 0;
   if (!clockwise && sweep <= 0) sweep += kTurnRad;
   if (clockwise && sweep >= 0) sweep -= kTurnRad;
