@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-constexpr double kSamePlaceMm = 1e-6;
+constexpr double kAreaPointMm = 1e-6;
 constexpr std::size_t kLoopsMax = 2000;
 constexpr int kLevelsMax = 20'000;
 /// Least distance of loops in radii of the tool.
@@ -31,12 +31,12 @@ std::unexpected<std::string> too_large(double tool_radius, const char* where) {
 }
 
 void straight(AreaPath& path, double x, double y) {
-  if (!path.empty() && std::hypot(path.back().x - x, path.back().y - y) < kSamePlaceMm) return;
+  if (!path.empty() && std::hypot(path.back().x - x, path.back().y - y) < kAreaPointMm) return;
   path.push_back({.x = x, .y = y});
 }
 
 void arc(AreaPath& path, double x, double y, int turns, double center_x, double center_y) {
-  if (std::hypot(center_x - x, center_y - y) < kSamePlaceMm) return straight(path, x, y);
+  if (std::hypot(center_x - x, center_y - y) < kAreaPointMm) return straight(path, x, y);
   path.push_back({.x = x, .y = y, .turns = turns, .center_x = center_x, .center_y = center_y});
 }
 
@@ -79,7 +79,7 @@ double beyond(const RoundedRectangle& stud, double x, double y) {
 AreaResult clear_pocket(const RoundedRectangle& pocket, double tool_radius, double step) {
   const double half_x = pocket.length / 2, half_y = pocket.width / 2;
   const double narrow = std::min(half_x, half_y);
-  if (!is_usable(tool_radius) || !(narrow >= tool_radius - kSamePlaceMm))
+  if (!is_usable(tool_radius) || !(narrow >= tool_radius - kAreaPointMm))
     return too_large(tool_radius, "the pocket");
   const double corner = std::clamp(pocket.corner, std::min(tool_radius, narrow), narrow);
   AreaPath path;
@@ -96,7 +96,7 @@ AreaResult mill_stud(const RoundedRectangle& stud, const RoundedRectangle& blank
                      double tool_radius, double step) {
   if (!is_usable(tool_radius) || !(stud.length > 0 && stud.width > 0))
     return std::unexpected("the stud and the tool must have a size");
-  if (blank.length < stud.length - kSamePlaceMm || blank.width < stud.width - kSamePlaceMm)
+  if (blank.length < stud.length - kAreaPointMm || blank.width < stud.width - kAreaPointMm)
     return std::unexpected("the blank is smaller than the stud");
   // The points of the blank farthest from the stud are in its corners.
   const double inward = blank.corner * (1 - std::sqrt(0.5));
@@ -117,7 +117,7 @@ AreaResult mill_stud(const RoundedRectangle& stud, const RoundedRectangle& blank
 }
 
 AreaResult clear_arc_slot(const ArcSlot& slot, double tool_radius, double step) {
-  if (!is_usable(tool_radius) || slot.width / 2 < tool_radius - kSamePlaceMm)
+  if (!is_usable(tool_radius) || slot.width / 2 < tool_radius - kAreaPointMm)
     return too_large(tool_radius, "the slot");
   if (!(slot.radius > slot.width / 2) || !(std::abs(slot.sweep_deg) <= 360))
     return std::unexpected("the slot's width must be below its radius, and its angle at most 360");
@@ -168,7 +168,7 @@ AreaResult face(double length, double width, bool along_x, double tool_radius, d
 AreaPath last_loop(const AreaPath& path) {
   for (std::size_t from = path.empty() ? 0 : path.size() - 1; from > 0; --from) {
     const AreaMove& start = path[from - 1];
-    if (std::hypot(start.x - path.back().x, start.y - path.back().y) < kSamePlaceMm) {
+    if (std::hypot(start.x - path.back().x, start.y - path.back().y) < kAreaPointMm) {
       AreaPath loop(path.begin() + std::ptrdiff_t(from) - 1, path.end());
       loop.front().turns = 0;
       return loop;
