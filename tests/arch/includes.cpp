@@ -139,7 +139,7 @@ const std::vector<Module>& other_modules() {
       {"web/wasm/files",
        {"kernel", "server/formats", "server/verify", "server/store", "server/history",
         "server/wire", "server/convert", "server/feed/column_digest.h",
-        "server/session/past_block.h", "server/session/session_id.h"}},
+        "server/session/past_block.h", "server/session/session_id.h", "web/wasm/stop_token.h"}},
       // The replica of an agent, for pages.
       {"web/wasm",
        {"kernel", "server/wire", "server/convert", "server/formats", "haptic_agent/replica"}},
