@@ -57,7 +57,8 @@ describe('the empty page without a server', () => {
     vi.spyOn(console, 'warn').mockImplementation(() => undefined);
     vi.mocked(keptStrokes).mockImplementation(answer);
     const card = make();
-    await Promise.resolve();
+    await vi.waitFor(() => expect(keptStrokes).toHaveBeenCalledOnce());
+    await turn();
     expect(kept(card).children).toHaveLength(0);
     button(card, 'Carve a block by hand')!.click();
     expect(actions.carve.mock.calls[0]![0]).not.toHaveLength(0);
