@@ -213,10 +213,14 @@ async function undoAlone({ page, state }, server, line) {
 async function quickStroke(viewer, y) {
   const { page } = viewer;
   const spring = page.locator('.carve-spring');
-  await spring.evaluate((one) => {
+  await page.evaluate(() => {
     window.behindPx = 0;
-    const measured = () => (window.behindPx = Math.max(window.behindPx, one.offsetWidth));
-    new MutationObserver(measured).observe(one, { attributes: true });
+    const measured = () => {
+      const width = document.querySelector('.carve-spring')?.offsetWidth ?? 0;
+      window.behindPx = Math.max(window.behindPx, width);
+    };
+    const changes = { attributeFilter: ['style'], childList: true, subtree: true };
+    new MutationObserver(measured).observe(document.querySelector('main'), changes);
   });
   const places = [];
   for (const x of [0.3, 0.32, 0.34, 0.45, 0.56, 0.67]) places.push(await placeOf(viewer, x, y));
