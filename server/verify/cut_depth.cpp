@@ -11,8 +11,8 @@
 namespace kerf {
 namespace {
 
-/// Depths that exceed the deepest so far by less than this fraction of the pitch are not looked
-/// for. A fraction of the depth would hide more of a deep cut than of a shallow one.
+/// Depths that exceed the deepest so far by less than this fraction of it, or of the pitch if that
+/// is less, are not looked for.
 constexpr double kAccuracyShare = 0.1;
 /// Least distance between the samples of a removed element, as a fraction of the pitch.
 constexpr double kSampleShare = 0.5;
@@ -37,7 +37,7 @@ CutDepth::CutDepth(const Tool& tool, const ToolPose& from, const ToolPose& to, d
 
 double CutDepth::sought_mm() const {
   if (depth_mm_ <= ignored_mm_) return ignored_mm_;
-  return depth_mm_ + kAccuracyShare * rows_.after().grid().pitch_mm;
+  return depth_mm_ + kAccuracyShare * std::min(depth_mm_, rows_.after().grid().pitch_mm);
 }
 
 /// No point is deeper in a tool than its radius.
