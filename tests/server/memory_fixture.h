@@ -59,32 +59,6 @@ class SessionWithoutMemory : public SessionUndo {
       return session_->stroke_changes().change(request, alone).has_value();
     }));
   }
-  /// Calls prepare(), then request() with the k-th of its allocations failing, then check(), for
-  /// KERF_EFFORT numbers k from the first to the last allocation.
-  template <typename Prepare, typename Request, typename Check>
-  void fail_each(Prepare prepare, Request request, Check check) {
-    constexpr std::uint64_t kMany = 1'000'000'000;
-    const auto allocations_until = [&](std::uint64_t k) {
-      prepare();
-      const test::FailingMemory memory(k);
-      try {
-        request();
-      } catch (const std::bad_alloc&) {
-      }
-      return k - memory.left();
-    };
-    const std::uint64_t allocations = allocations_until(kMany);
-    check();
-    const std::uint64_t step =
-        std::max<std::uint64_t>(1, allocations / setting("KERF_EFFORT", kEffort));
-    for (std::uint64_t k = 1 + setting("KERF_SEED", 1) % step; k <= allocations; k += step) {
-      SCOPED_TRACE("allocation " + std::to_string(k) + " of " + std::to_string(allocations));
-      allocations_until(k);
-      check();
-      if (HasFailure()) return;
-    }
-  }
-
   static constexpr unsigned kEffort = 60;
   ParticipantId ada_ = 0;
   StrokeId crossing_ = 0;

@@ -17,17 +17,4 @@ class FailingMemory {
   std::uint64_t left() const;
 };
 
-/// Returns the bytes that operator new has allocated and operator delete has not freed.
-std::uint64_t allocated_bytes();
-
-/// Measures the most memory in use at a time since the construction. Only one may exist at a time.
-class PeakMemory {
- public:
-  PeakMemory();
-  PeakMemory(const PeakMemory&) = delete;
-  PeakMemory& operator=(const PeakMemory&) = delete;
-  /// Returns the greatest allocated_bytes() so far.
-  std::uint64_t bytes() const;
-};
-
 }  // namespace kerf::test
