@@ -214,8 +214,13 @@ export class Timeline {
   private playPart_(nowMs: number): void {
     if (!this.part_) return;
     const record = this.part_.recordAt(nowMs);
-    if (this.part_.isOver(nowMs)) this.seek_('live', 0);
-    else if (record !== this.record_) this.ask_(record, 0);
+    if (!this.part_.isOver(nowMs)) {
+      if (record !== this.record_) this.ask_(record, 0);
+    } else if (this.record_ !== null) {
+      this.ask_('live', 0); // again, if it was rejected
+    } else if (!this.host.model.state?.at) {
+      this.stopPlaying();
+    }
   }
 
   /** The record that is shown, or about to be; null: the present. */
