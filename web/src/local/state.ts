@@ -18,7 +18,7 @@ export class LocalState {
   /** Time of carving alone, ms. */
   readonly carvingMs = signal(0);
   readonly triangles = signal(0);
-  /** Where the user has moved the scrub bar; null: the program goes on to its end. */
+  /** The position of the scrub bar; null: the end of the program. */
   readonly wish = signal<number | null>(null);
   /** How the state compares with the one that the journal stores; empty: it stores none. */
   readonly stored = signal('');

@@ -20,7 +20,7 @@ export interface VrHost {
   frame: (nowMs: number) => void;
 }
 
-/** Carving, which goes on in the headset. */
+/** Carving with the headset. */
 export interface VrCarving {
   /** Begins to carve; null: this viewer may not. */
   begin: () => Promise<Wielded | null>;

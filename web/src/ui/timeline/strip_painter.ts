@@ -18,7 +18,7 @@ export interface StripContent {
   authors: ReadonlyMap<number, { name: string; color: string }>;
 }
 
-/** What is painted, and where: the records of the width. */
+/** The records that the width of the strip shows. */
 export interface StripPicture {
   content: StripContent;
   selected: Stroke | null;
