@@ -41,7 +41,7 @@ double combined_mm3(std::span<const RemovedVolume> fields, double RemovedVolume:
 
 }  // namespace
 
-Sculpture::Sculpture(SculptureSettings settings)
+Sculpture::Sculpture(SculptureSettings settings, const std::stop_token& stop)
     : settings_(std::move(settings)),
       obstacles_(settings_.obstacles.empty() ? nullptr
                                              : std::make_unique<Obstacles>(settings_.obstacles)),
@@ -50,7 +50,8 @@ Sculpture::Sculpture(SculptureSettings settings)
       window_(std::make_unique<MotionWindow>()) {
   for (const RayAxis axis : axes_of(settings_.rays)) {
     if (settings_.stock_mesh) {
-      fields_.emplace_back(*settings_.stock_mesh, settings_.pitch_mm, axis, settings_.keep_normals);
+      fields_.emplace_back(*settings_.stock_mesh, settings_.pitch_mm, axis, settings_.keep_normals,
+                           stop);
     } else {
       fields_.emplace_back(settings_.stock, settings_.pitch_mm, axis, settings_.keep_normals);
     }
@@ -65,7 +66,8 @@ Sculpture::Sculpture(Sculpture&&) noexcept = default;
 Sculpture& Sculpture::operator=(Sculpture&&) noexcept = default;
 Sculpture::~Sculpture() = default;
 
-std::expected<Sculpture, SculptureError> Sculpture::create(SculptureSettings settings) {
+std::expected<Sculpture, SculptureError> Sculpture::create(SculptureSettings settings,
+                                                           const std::stop_token& stop) {
   if (settings.stock_mesh) {
     const std::string fault = mesh_stock_fault(*settings.stock_mesh);
     if (!fault.empty())
@@ -73,7 +75,10 @@ std::expected<Sculpture, SculptureError> Sculpture::create(SculptureSettings set
     settings.stock = mesh_bounds(*settings.stock_mesh);
   }
   if (auto c = check_settings(settings); !c) return std::unexpected(c.error());
-  return Sculpture(std::move(settings));
+  Sculpture made(std::move(settings), stop);
+  if (stop.stop_requested())
+    return std::unexpected(SculptureError{SculptureErrorCode::kStopped, "a stop was requested"});
+  return made;
 }
 
 const DexelGrid& Sculpture::grid() const { return fields_.front().grid(); }
@@ -120,6 +125,12 @@ DexelSnapshot Sculpture::snapshot(RayAxis axis) {
 std::size_t Sculpture::memory_bytes() const {
   std::size_t bytes = 0;
   for (const DexelField& f : fields_) bytes += f.memory_bytes();
+  return bytes;
+}
+
+std::size_t Sculpture::working_bytes() const {
+  std::size_t bytes = 0;
+  for (const LazyNormals& normals : normals_) bytes += normals.bytes();
   return bytes;
 }
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "kernel/dexel/solid_snapshot.h"
@@ -46,7 +47,8 @@ class Sculpture {
  public:
   /// Builds the block. Returns an error for the first setting that is out of range
   /// (sculpture_settings.h).
-  static std::expected<Sculpture, SculptureError> create(SculptureSettings settings);
+  static std::expected<Sculpture, SculptureError> create(SculptureSettings settings,
+                                                         const std::stop_token& stop = {});
   Sculpture(Sculpture&&) noexcept;
   Sculpture& operator=(Sculpture&&) noexcept;
   ~Sculpture();
@@ -138,6 +140,8 @@ class Sculpture {
   std::uint64_t state_hash() { return solid().hash(); }
   /// Returns the bytes that all fields hold; O(touched tiles).
   std::size_t memory_bytes() const;
+  /// Returns the bytes of the buffers that cuts reuse for the normals of the surface.
+  std::size_t working_bytes() const;
 
   /// Returns the volume of the stock before the first cut, mm³. With three fields, their mean.
   double stock_volume_mm3() const { return stock_volume_mm3_; }
@@ -152,7 +156,7 @@ class Sculpture {
 
  private:
   friend class MotionWindow;
-  explicit Sculpture(SculptureSettings settings);
+  Sculpture(SculptureSettings settings, const std::stop_token& stop);
   std::expected<void, SculptureError> check_move(const MoveTool& command) const;
   Wrench collision(const Tool& tool, const ToolPose& pose) const;
   /// Removes the imprint of the tool at the start of a motion from the elements that the motion

@@ -37,6 +37,8 @@ const char* to_string(SculptureErrorCode code) {
       return "bad_duration";
     case kTooManySubMotions:
       return "too_many_sub_motions";
+    case kStopped:
+      return "stopped";
   }
   return "unknown";
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <numeric>
 #include <utility>
 
 #include "kernel/math/int_lanes.h"
@@ -23,8 +24,9 @@ constexpr std::size_t kNormalJobsPerThread = 2;
 /// Tiles that are resolved at a time while a batch is collected: about 0.1 ms.
 constexpr std::size_t kTilesAtOnce = 32;
 
-/// Ends that are collected before their normals are computed, which bounds their memory to 2 MB.
-constexpr std::size_t kEndsAtOnce = 65'536;
+/// Ends that are collected before their normals are computed, which bounds the memory of a job to
+/// 1 MB. A tile without split columns adds at most 2,048.
+constexpr std::size_t kEndsAtOnce = 16'384;
 
 /// Marks those ends of the topmost elements of eight columns, from `first` on, that are now at an
 /// end of the removed element.
@@ -48,19 +50,20 @@ KERF_FOR_EACH_TARGET(void, mark_topmost,
 
 /// Computes the normals of the upper or lower ends that one sweep made, eight at a time.
 template <class End>
-void resolve_ends(const SweptSurface& surface, const std::vector<End>& ends, double towards) {
-  for (std::size_t first = 0; first < ends.size(); first += kLanes) {
-    const std::size_t count = std::min<std::size_t>(kLanes, ends.size() - first);
+void resolve_ends(const SweptSurface& surface, std::span<const End> ends,
+                  std::span<const std::uint32_t> numbers, double towards) {
+  for (std::size_t first = 0; first < numbers.size(); first += kLanes) {
+    const std::size_t count = std::min<std::size_t>(kLanes, numbers.size() - first);
     Vec3Lanes at{};
     for (int c = 0; c < kLanes; ++c) {
-      const End& end = ends[first + std::min(std::size_t(c), count - 1)];
+      const End& end = ends[numbers[first + std::min(std::size_t(c), count - 1)]];
       at.x.set(c, end.x_mm);
       at.y.set(c, end.y_mm);
       at.z.set(c, end.z_mm);
     }
     NormalCode codes[kLanes];
     surface.stock_normals(at, (1U << count) - 1, towards, codes);
-    for (std::size_t c = 0; c < count; ++c) *ends[first + c].code = codes[c];
+    for (std::size_t c = 0; c < count; ++c) *ends[numbers[first + c]].code = codes[c];
   }
 }
 
@@ -139,43 +142,46 @@ void LazyNormals::resolve_until(DexelField& field, Workers& workers, Batch& batc
 
 void LazyNormals::resolve_tiles(DexelField& field, const Batch& batch,
                                 std::span<const TileIndex> tiles, Job& job) {
-  if (job.size() < batch.sweeps.size()) job.resize(batch.sweeps.size());
-  std::size_t ends = 0;
   for (const TileIndex at : tiles) {
     DexelTile* tile = field.editable(at);
     assert(tile != nullptr);  // It was changed after the last snapshot, so it is not shared.
-    ends += collect(*tile, at, field.grid(), batch, job);
-    if (ends < kEndsAtOnce) continue;
-    resolve_collected(batch, job);
-    ends = 0;
+    collect(*tile, at, field.grid(), batch, job);
+    if (job.ends.size() >= kEndsAtOnce) resolve_collected(batch, job);
   }
   resolve_collected(batch, job);
 }
 
 void LazyNormals::resolve_collected(const Batch& batch, Job& job) {
-  for (std::size_t n = 0; n < batch.sweeps.size(); ++n) {
-    resolve_ends(batch.sweeps[n], job[n].tops, 1);
-    resolve_ends(batch.sweeps[n], job[n].bottoms, -1);
-    job[n].tops.clear();
-    job[n].bottoms.clear();
+  const std::size_t groups = 2 * batch.sweeps.size();
+  job.group_begin.assign(groups + 1, 0);
+  for (const End& end : job.ends) ++job.group_begin[end.group];
+  // Each entry becomes the end of its group, and then, while the group is filled from its last
+  // place on, the beginning.
+  std::partial_sum(job.group_begin.begin(), job.group_begin.end(), job.group_begin.begin());
+  job.by_group.resize(job.ends.size());
+  for (std::size_t n = job.ends.size(); n-- > 0;)
+    job.by_group[--job.group_begin[job.ends[n].group]] = std::uint32_t(n);
+  for (std::size_t group = 0; group < groups; ++group) {
+    const std::size_t first = job.group_begin[group];
+    const auto numbers = std::span<const std::uint32_t>(job.by_group)
+                             .subspan(first, job.group_begin[group + 1] - first);
+    resolve_ends<End>(batch.sweeps[group / 2], job.ends, numbers, group % 2 == 0 ? 1 : -1);
   }
+  job.ends.clear();
 }
 
-std::size_t LazyNormals::collect(DexelTile& tile, TileIndex at, const DexelGrid& grid,
-                                 const Batch& batch, Job& job) {
-  std::size_t ends = 0;
+void LazyNormals::collect(DexelTile& tile, TileIndex at, const DexelGrid& grid, const Batch& batch,
+                          Job& job) {
   const auto take = [&](int column, EndCodes& codes, Dexel element) {
     const double x = grid.x_mm(at.x * kTileSide + column % kTileSide);
     const double y = grid.y_mm(at.y * kTileSide + column / kTileSide);
-    if (batch.has(codes.top)) {
-      job[codes.top - batch.first_code].tops.push_back({&codes.top, x, y, grid.z_mm(element.top)});
-      ++ends;
-    }
-    if (batch.has(codes.bottom)) {
-      job[codes.bottom - batch.first_code].bottoms.push_back(
-          {&codes.bottom, x, y, grid.z_mm(element.bottom)});
-      ++ends;
-    }
+    const auto add = [&](NormalCode& code, std::int32_t z, std::uint32_t side) {
+      if (!batch.has(code)) return;
+      const auto sweep = std::uint32_t(code - batch.first_code);
+      job.ends.push_back({&code, x, y, grid.z_mm(z), 2 * sweep + side});
+    };
+    add(codes.top, element.top, 0);
+    add(codes.bottom, element.bottom, 1);
   };
   for (int column = 0; column < kTileColumns; ++column) {
     const auto c = std::size_t(column);
@@ -188,7 +194,20 @@ std::size_t LazyNormals::collect(DexelTile& tile, TileIndex at, const DexelGrid&
     const std::span<EndCodes> lower = tile.lower_codes.edit(column);
     for (std::size_t n = 0; n < lower.size(); ++n) take(column, lower[n], elements[n]);
   }
-  return ends;
+}
+
+std::size_t LazyNormals::Job::bytes() const {
+  return ends.capacity() * sizeof(End) +
+         (by_group.capacity() + group_begin.capacity()) * sizeof(std::uint32_t);
+}
+
+std::size_t LazyNormals::bytes() const {
+  std::size_t sum = 0;
+  for (const Batch* batch : {&now_, &before_})
+    sum += batch->sweeps.capacity() * sizeof(SweptSurface) +
+           batch->tiles.capacity() * sizeof(TileIndex);
+  for (const Job& job : jobs_) sum += job.bytes();
+  return sum;
 }
 
 }  // namespace kerf

@@ -46,21 +46,26 @@ class LazyNormals {
     SerialWorkers alone;
     resolve(field, alone);
   }
+  /// Returns the bytes of its buffers, without those of the sweeps' tools.
+  std::size_t bytes() const;
 
  private:
   /// Few enough that a snapshot does not delay a haptic tick noticeably, many enough that most
   /// marked ends have been cut away by then.
   static constexpr std::size_t kSweepsMax = 256;
+  /// An end that still exists, and the sweep that made it.
   struct End {
     NormalCode* code;
     double x_mm, y_mm, z_mm;
+    std::uint32_t group;  ///< twice the number of the sweep in its batch, plus 1 for a lower end
   };
-  /// The remaining ends that one sweep made.
-  struct Ends {
-    std::vector<End> tops, bottoms;
+  /// The ends of some tiles. Reuses its memory.
+  struct Job {
+    std::vector<End> ends = {};
+    std::vector<std::uint32_t> by_group = {};     ///< numbers of ends, sorted by group
+    std::vector<std::uint32_t> group_begin = {};  ///< in by_group, and the end of the last group
+    std::size_t bytes() const;
   };
-  /// The ends of some tiles, per sweep. Reuses its memory.
-  using Job = std::vector<Ends>;
   struct Batch {
     NormalCode first_code = 1;  ///< of its first sweep
     std::vector<SweptSurface> sweeps = {};
@@ -69,9 +74,9 @@ class LazyNormals {
     bool has(NormalCode code) const { return code - first_code < sweeps.size(); }
   };
 
-  /// Adds a tile's ends to the job and returns their number.
-  static std::size_t collect(DexelTile& tile, TileIndex at, const DexelGrid& grid,
-                             const Batch& batch, Job& job);
+  /// Adds a tile's ends to the job.
+  static void collect(DexelTile& tile, TileIndex at, const DexelGrid& grid, const Batch& batch,
+                      Job& job);
   /// Computes the normals of the ends in the job, and empties it.
   static void resolve_collected(const Batch& batch, Job& job);
   static void resolve_tiles(DexelField& field, const Batch& batch, std::span<const TileIndex> tiles,

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "kernel/dexel/column_shares.h"
@@ -24,8 +25,10 @@ class DexelField {
   DexelField(const StockShape& stock, double pitch_mm, RayAxis axis = RayAxis::kZ,
              bool keep_normals = false);
   /// Builds the solid bounded by a mesh (mesh_stock.h). The stock shape is the mesh's bounding box.
-  /// Every tile that the solid does not fill is stored, as if a tool had cut it.
-  DexelField(const TriangleMesh& mesh, double pitch_mm, RayAxis axis, bool keep_normals);
+  /// Every tile that the solid does not fill is stored, as if a tool had cut it. The field lacks
+  /// some of them if a stop was requested meanwhile.
+  DexelField(const TriangleMesh& mesh, double pitch_mm, RayAxis axis, bool keep_normals,
+             const std::stop_token& stop = {});
 
   const DexelGrid& grid() const { return grid_; }
   const StockShape& stock() const { return stock_; }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <optional>
 #include <utility>
 
 #include "kernel/dexel/dexel_tile.h"
@@ -225,6 +227,58 @@ class Dexelizer {
   RowsOfMesh rows_;
 };
 
+struct Edge {
+  std::uint32_t low, high;  ///< numbers of its vertices, low <= high
+};
+
+/// The sides of all triangles, ordered by the lower of their two vertices without a comparison of
+/// all: a mesh may have millions.
+class SidesByVertex {
+ public:
+  explicit SidesByVertex(const TriangleMesh& mesh) : begin_(mesh.vertices_mm.size() + 1, 0) {
+    const auto each = [&mesh](auto&& visit) {
+      for (const auto& t : mesh.triangles) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          const std::uint32_t a = t[c], b = t[(c + 1) % 3];
+          visit(std::min(a, b), Side{std::max(a, b), a < b});
+        }
+      }
+    };
+    each([this](std::uint32_t low, Side) { ++begin_[low + 1]; });
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    sides_.resize(begin_.back());
+    std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
+    each([&](std::uint32_t low, Side side) { sides_[next[low]++] = side; });
+    for (std::size_t low = 0; low + 1 < begin_.size(); ++low)
+      std::sort(sides_.begin() + std::ptrdiff_t(begin_[low]),
+                sides_.begin() + std::ptrdiff_t(begin_[low + 1]),
+                [](const Side& a, const Side& b) { return a.high < b.high; });
+  }
+
+  /// Calls visit(edge, number of its sides, number of those that lead to `high`), in the order of
+  /// the vertices.
+  template <class Visit>
+  void for_each_edge(Visit&& visit) const {
+    for (std::size_t low = 0; low + 1 < begin_.size(); ++low) {
+      for (std::size_t first = begin_[low]; first < begin_[low + 1];) {
+        std::size_t end = first, up = 0;
+        for (; end < begin_[low + 1] && sides_[end].high == sides_[first].high; ++end)
+          up += sides_[end].is_up ? 1 : 0;
+        visit(Edge{std::uint32_t(low), sides_[first].high}, end - first, up);
+        first = end;
+      }
+    }
+  }
+
+ private:
+  struct Side {
+    std::uint32_t high;
+    bool is_up;  ///< the triangle goes from the lower vertex to the higher one
+  };
+  std::vector<Side> sides_;
+  std::vector<std::size_t> begin_;  ///< first side of each lower vertex, and the end
+};
+
 std::string place_text(Vec3 p) {
   return std::to_string(p.x) + ", " + std::to_string(p.y) + ", " + std::to_string(p.z);
 }
@@ -247,44 +301,35 @@ BoxStock mesh_bounds(const TriangleMesh& mesh) {
 
 std::string mesh_stock_fault(const TriangleMesh& mesh) {
   if (mesh.triangles.empty()) return "the mesh has no triangle";
-  std::vector<std::pair<std::uint64_t, bool>> sides;  // an edge, and its direction in a triangle
   for (const auto& t : mesh.triangles) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::uint32_t a = t[c], b = t[(c + 1) % 3];
-      if (std::max(a, b) >= mesh.vertices_mm.size())
+    for (const std::uint32_t n : t) {
+      if (n >= mesh.vertices_mm.size())
         return "a triangle refers to a vertex that the mesh does not have";
-      if (!is_finite(mesh.vertices_mm[a])) return "a vertex of the mesh is not finite";
-      sides.emplace_back(std::uint64_t{std::min(a, b)} << 32U | std::max(a, b), a < b);
+      if (!is_finite(mesh.vertices_mm[n])) return "a vertex of the mesh is not finite";
     }
   }
-  std::ranges::sort(sides);
-  std::size_t open = 0, turned = 0, first_fault = sides.size();
-  for (std::size_t first = 0; first < sides.size();) {
-    std::size_t end = first, up = 0;
-    for (; end < sides.size() && sides[end].first == sides[first].first; ++end) {
-      up += sides[end].second ? 1 : 0;
-    }
-    if (2 * up != end - first) {
-      first_fault = std::min(first_fault, first);
-      ++((end - first) % 2 == 0 ? turned : open);
-    }
-    first = end;
-  }
-  if (first_fault == sides.size()) return {};
-  const std::uint64_t edge = sides[first_fault].first;
+  const SidesByVertex sides(mesh);
+  std::size_t open = 0, turned = 0;
+  std::optional<Edge> first_fault;
+  sides.for_each_edge([&](Edge edge, std::size_t uses, std::size_t up) {
+    if (2 * up == uses) return;
+    if (!first_fault) first_fault = edge;
+    ++(uses % 2 == 0 ? turned : open);
+  });
+  if (!first_fault) return {};
   return "the mesh is not closed: " + std::to_string(open) + " open edges, " +
          std::to_string(turned) +
          " edges between triangles of opposite orientation; the first from (" +
-         place_text(mesh.vertices_mm[edge >> 32U]) + ") to (" +
-         place_text(mesh.vertices_mm[edge & 0xffffffffU]) + ")";
+         place_text(mesh.vertices_mm[first_fault->low]) + ") to (" +
+         place_text(mesh.vertices_mm[first_fault->high]) + ")";
 }
 
 void dexelize(const TriangleMesh& mesh, const DexelGrid& grid, bool keep_normals,
               const std::function<void(TileIndex, std::shared_ptr<DexelTile>)>& put,
-              ColumnShares* shares) {
+              ColumnShares* shares, const std::stop_token& stop) {
   Dexelizer dexelizer(mesh, grid, keep_normals);
   std::map<TileIndex, ColumnShares::OfTile> near_walls;
-  for (std::int32_t band = 0; band < grid.tiles_y(); ++band) {
+  for (std::int32_t band = 0; band < grid.tiles_y() && !stop.stop_requested(); ++band) {
     dexelizer.run(band, put);
     if (shares != nullptr) dexelizer.add_shares(band, *shares, near_walls);
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -34,9 +35,10 @@ std::string mesh_stock_fault(const TriangleMesh& mesh);
 ///
 /// Calls put(tile, columns) for every tile that is not solid throughout, with its elements and, if
 /// `keep_normals`, the normals of the triangles that the rays hit. Unless `shares` is null, sets
-/// the shares of columns next to walls in it (MeshShares).
+/// the shares of columns next to walls in it (MeshShares). Ends early, with the other tiles missing,
+/// soon after a stop was requested.
 void dexelize(const TriangleMesh& mesh, const DexelGrid& grid, bool keep_normals,
               const std::function<void(TileIndex, std::shared_ptr<DexelTile>)>& put,
-              ColumnShares* shares = nullptr);
+              ColumnShares* shares = nullptr, const std::stop_token& stop = {});
 
 }  // namespace kerf

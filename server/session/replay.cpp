@@ -43,8 +43,10 @@ std::expected<Scene, JournalError> journal_scene(const JournalReader& reader,
 }
 
 std::expected<FirstBlock, JournalError> first_block(const JournalReader& reader, const Scene& scene,
-                                                    const std::filesystem::path& file) {
-  auto sculpture = Sculpture::create(scene.settings);
+                                                    const std::filesystem::path& file,
+                                                    const std::stop_token& stop) {
+  auto sculpture = Sculpture::create(scene.settings, stop);
+  if (stop.stop_requested()) return std::unexpected(stopped_reading(file));
   if (!sculpture) return std::unexpected(corrupt(file, 0, sculpture.error().reason));
   FirstBlock first{*std::move(sculpture)};
   const std::string* base = base_of(reader.header().files);
@@ -69,9 +71,8 @@ std::expected<Replayed, JournalError> untouched(const JournalReader& reader,
                                                 const std::stop_token& stop) {
   auto scene = journal_scene(reader, file, stop);
   if (!scene) return std::unexpected(scene.error());
-  auto first = first_block(reader, *scene, file);
+  auto first = first_block(reader, *scene, file, stop);
   if (!first) return std::unexpected(first.error());
-  if (stop.stop_requested()) return std::unexpected(stopped_reading(file));
   ParticipantId last_participant = 0;
   for (const JournalParticipant& participant : reader.participants()) {
     last_participant = std::max(last_participant, participant.participant);

@@ -67,12 +67,14 @@ std::expected<Scene, JournalError> journal_scene(const JournalReader& reader,
                                                  const std::filesystem::path& file,
                                                  const std::stop_token& stop = {});
 
-/// The block of a journal before its first record.
+/// The block of a journal before its first record. first_block() fails with kIo soon after a stop
+/// was requested.
 struct FirstBlock {
   Sculpture sculpture;
   std::uint64_t base = 0;  ///< Replayed::base
 };
 std::expected<FirstBlock, JournalError> first_block(const JournalReader& reader, const Scene& scene,
-                                                    const std::filesystem::path& file);
+                                                    const std::filesystem::path& file,
+                                                    const std::stop_token& stop = {});
 
 }  // namespace kerf

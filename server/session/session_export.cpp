@@ -93,7 +93,7 @@ std::expected<FeltJournal, std::string> open_felt(const std::filesystem::path& j
   if (!undone) return std::unexpected(undone.error());
   const auto scene = journal_scene(*reader, journal, stop);
   if (!scene) return std::unexpected(describe(scene.error()));
-  auto first = first_block(*reader, *scene, journal);
+  auto first = first_block(*reader, *scene, journal, stop);
   if (!first) return std::unexpected(describe(first.error()));
   if (start != nullptr) {
     if (auto ok = go_to(*start, *scene, first->sculpture); !ok) return std::unexpected(ok.error());
