@@ -17,8 +17,8 @@ namespace {
 constexpr std::size_t kWindows = 60, kWindowMotions = 16, kNotMeasured = 2;
 constexpr std::size_t kLongWindows = 12;
 constexpr double kBudgetS = 1.5;
-/// Allocations of a block besides its columns while it is carved.
-constexpr double kWorkingBytes = 2e6;
+/// Allocations while a block is carved, without its columns and the buffers that it counts.
+constexpr double kWorkingBytes = 5e5;
 
 /// The tiles of all fields that motions can reach.
 class ReachedTiles {
@@ -116,8 +116,11 @@ class ReachedTiles {
 /// A block and the cost of its sample so far.
 class Sample {
  public:
-  Sample(const Scene& scene, const CpuClock& now)
-      : scene_(scene), now_(now), begun_s_(now()), block_(Sculpture::create(scene.settings)) {
+  Sample(const Scene& scene, const CostMeter& meter)
+      : scene_(scene),
+        meter_(meter),
+        begun_s_(meter.cpu_s()),
+        block_(Sculpture::create(scene.settings)) {
     if (!block_) return;
     for (const auto& [id, tool] : scene.tools) (void)block_->apply(DefineTool{id, tool.tool});
     empty_bytes_ = double(block_->memory_bytes());
@@ -126,33 +129,52 @@ class Sample {
   bool carve(std::span<const ProgramMotion> motions, std::size_t measured) {
     // A sample estimated to fit is not ended by a small excess.
     constexpr double kMostS = 3 * kBudgetS;
-    double start_s = now_();
+    Spent start = spent();
     for (std::size_t n = 0; n < motions.size(); ++n) {
-      if (n == measured) start_s = now_();
+      if (n == measured) start = spent();
       carve_one(motions[n]);
       if (n % kWindowMotions != kWindowMotions - 1 && n + 1 < motions.size()) continue;
-      const bool is_over = now_() - begun_s_ > kMostS;
+      const bool is_over = meter_.cpu_s() - begun_s_ > kMostS;
       if (n >= measured && (is_over || n + 1 == motions.size())) {
-        cpu_s_ += now_() - start_s;
-        measured_ += double(n + 1 - measured);
+        const Spent end = spent();
+        measured_.cpu_s += end.cpu_s - start.cpu_s;
+        measured_.page_faults += end.page_faults - start.page_faults;
+        measured_motions_ += double(n + 1 - measured);
       }
       if (is_over) return false;
     }
     return true;
   }
-  /// The price if so many tiles are reached in the end.
+  /// The price as measured, if so many tiles are reached in the end.
   Price price(double tiles) {
     if (!block_) return price_;
-    if (measured_ > 0) price_.us_per_motion = 1e6 * cpu_s_ / measured_;
+    if (measured_motions_ > 0) price_.us_per_motion = 1e6 * measured_.cpu_s / measured_motions_;
     const double share = reached_.count() > 0 ? tiles / reached_.count() : 0;
-    price_.bytes =
-        kWorkingBytes + empty_bytes_ + share * (double(block_->memory_bytes()) - empty_bytes_);
+    price_.bytes = kWorkingBytes + double(block_->working_bytes()) + empty_bytes_ +
+                   share * (double(block_->memory_bytes()) - empty_bytes_);
     return price_;
+  }
+  /// The price of a program of so many motions, which accesses all its memory for the first time.
+  Price price_in_new_memory(double tiles, double motions) {
+    Price price = this->price(tiles);
+    if (!block_ || measured_motions_ == 0) return price;
+    const double pages = (price.bytes - empty_bytes_) / PageFaults::kPageBytes;
+    const double fault_us = 1e6 * meter_.page_fault_s();
+    const double others_us =
+        price.us_per_motion - fault_us * double(measured_.page_faults) / measured_motions_;
+    price.us_per_motion = std::max(0.0, others_us) + fault_us * pages / motions;
+    return price;
   }
   double tiles() const { return reached_.count(); }
   double all_tiles() const { return reached_.all(); }
 
  private:
+  struct Spent {
+    double cpu_s = 0;
+    std::int64_t page_faults = 0;
+  };
+  Spent spent() const { return {meter_.cpu_s(), meter_.page_faults()}; }
+
   void carve_one(const ProgramMotion& motion) {
     const MoveTool move{motion.tool, motion.from, motion.to, motion.duration_s, true};
     if (!block_ || !block_->apply(move)) return;
@@ -162,11 +184,12 @@ class Sample {
   }
 
   const Scene& scene_;
-  const CpuClock& now_;
+  const CostMeter& meter_;
   double begun_s_;
   std::expected<Sculpture, SculptureError> block_;
   ReachedTiles reached_{scene_};
-  double empty_bytes_ = 0, cpu_s_ = 0, measured_ = 0;
+  double empty_bytes_ = 0, measured_motions_ = 0;
+  Spent measured_;
   Price price_;
 };
 
@@ -177,8 +200,8 @@ struct Windows {
 /// Carves windows that are spread evenly over a program. Those of odd numbers come first, so that
 /// an early end leaves a sample of all parts.
 Sample carve_windows(const Scene& scene, std::span<const ProgramMotion> motions,
-                     const Windows& windows, const CpuClock& now) {
-  Sample sample(scene, now);
+                     const Windows& windows, const CostMeter& meter) {
+  Sample sample(scene, meter);
   const std::size_t size = std::min(windows.motions, motions.size());
   const std::size_t last = motions.size() - size;
   for (const std::size_t first : {std::size_t{1}, std::size_t{0}}) {
@@ -194,23 +217,22 @@ Sample carve_windows(const Scene& scene, std::span<const ProgramMotion> motions,
 }  // namespace
 
 Price price_of_program(const Scene& scene, std::span<const ProgramMotion> motions,
-                       const CpuClock& now) {
-  Sample sample(scene, now);
+                       const CostMeter& meter) {
   ReachedTiles all(scene);
   for (const ProgramMotion& motion : motions) {
     if (const auto tool = scene.tools.find(motion.tool); tool != scene.tools.end())
       all.add(motion, tool->second.tool);
   }
-  const Price quick = carve_windows(scene, motions, {kWindows, kWindowMotions, kNotMeasured}, now)
-                          .price(all.count());
   const auto count = double(motions.size());
+  const auto price = [&](const Windows& windows) {
+    return carve_windows(scene, motions, windows, meter).price_in_new_memory(all.count(), count);
+  };
+  const Price quick = price({kWindows, kWindowMotions, kNotMeasured});
   const double affordable = 1e6 * kBudgetS / std::max(quick.us_per_motion, 1e-3);
-  if (count <= affordable) {
-    // Carves all of it, because earlier motions make a motion cheaper.
-    return carve_windows(scene, motions, {1, motions.size(), 0}, now).price(all.count());
-  }
+  // Carves all of it if possible, because earlier motions make a motion cheaper.
+  if (count <= affordable) return price({1, motions.size(), 0});
   const auto length = std::max(kWindowMotions, std::size_t(affordable) / kLongWindows);
-  return carve_windows(scene, motions, {kLongWindows, length, length / 2}, now).price(all.count());
+  return price({kLongWindows, length, length / 2});
 }
 
 std::vector<ProgramMotion> sample_hand(const Scene& scene) {
@@ -243,8 +265,8 @@ std::vector<ProgramMotion> sample_hand(const Scene& scene) {
   return motions;
 }
 
-Price price_of_hand(const Scene& scene, const CpuClock& now) {
-  Sample sample(scene, now);
+Price price_of_hand(const Scene& scene, const CostMeter& meter) {
+  Sample sample(scene, meter);
   const std::vector<ProgramMotion> motions = sample_hand(scene);
   const std::span<const ProgramMotion> all = motions;
   constexpr std::size_t kRowMotions = 40;
