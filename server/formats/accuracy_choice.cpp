@@ -25,15 +25,15 @@ constexpr const char* kExcept =
 constexpr double kErrorPerTolerance = 1;
 // CPU time of a motion of 1 mm with a turn of 2.5 degrees, forces included, us: per sub-motion, per
 // row of columns under the tool (the square root of their number) and per column.
-constexpr double kUsPerSubMotion = 2.8;
-constexpr double kUsPerRow = 0.33;
-constexpr double kUsPerColumn = 0.0064;
+constexpr double kUsPerSubMotion = 6;
+constexpr double kUsPerRow = 0.23;
+constexpr double kUsPerColumn = 0.0032;
 // Cost of all sub-motions relative to one: 1 + kTightParts / sqrt(tolerance) for the tight model,
 // 1 + kPaperParts / tolerance for the paper's (tolerance in mm).
-constexpr double kTightParts = 0.005;
-constexpr double kPaperParts = 0.23;
+constexpr double kTightParts = 0.0017;
+constexpr double kPaperParts = 0.3;
 // Cost of three fields of rays relative to one.
-constexpr double kTriDexelCost = 5.5;
+constexpr double kTriDexelCost = 3.8;
 // Length of the motion whose footprint determines the number of columns, mm.
 constexpr double kTravelMm = 1;
 
