@@ -85,16 +85,4 @@ std::size_t body_bytes_max(const RouteMatch& match, std::string_view method) {
   return method == "POST" ? kRejectedBytesMax : 0;
 }
 
-std::string RouteTable::markdown() const {
-  std::string text = "| method | path | query | right | answer |\n|---|---|---|---|---|\n";
-  for (const Route& route : routes_) {
-    text += "| ";
-    text.append(route.methods).append(" | `").append(route.pattern).append("` | ");
-    text.append(route.query).append(route.query.empty() ? "| `" : " | `");
-    text.append(to_string(route.action)).append("` | ");
-    text.append(route.summary).append(" |\n");
-  }
-  return text;
-}
-
 }  // namespace kerf::net

@@ -33,7 +33,7 @@ enum class Runs : std::uint8_t {
 };
 
 /// One row of the HTTP interface. The table decides everything that depends on path and method:
-/// dispatch, 404, 405 with Allow, 426, body limits and threads. README.md has a copy.
+/// dispatch, 404, 405 with Allow, 426, body limits and threads.
 struct Route {
   using Handler = ApiResponse (Api::*)(const ApiCall&);
 
@@ -52,8 +52,7 @@ struct Route {
   Runs runs = Runs::kAtOnce;
   Action action = Action::kAdminister;  ///< the caller needs the right to it
   Upgrade upgrade = Upgrade::kNone;
-  bool at_owner = false;     ///< a server that follows the session cannot answer
-  std::string_view summary;  ///< for README.md
+  bool at_owner = false;  ///< a server that follows the session cannot answer
 };
 
 /// Limits of bodies: points of the surface (262,144), and programs and meshes.
@@ -87,8 +86,6 @@ class RouteTable {
   explicit RouteTable(std::span<const HttpMatter> matters);
   std::span<const Route> all() const { return routes_; }
   RouteMatch match(std::string_view method, const std::vector<std::string>& path) const;
-  /// Returns the table in README.md.
-  std::string markdown() const;
 
  private:
   std::vector<Route> routes_;

@@ -74,8 +74,7 @@ constexpr Route kRoutes[] = {
      .query = "width, version",
      .answer = &picture,
      .runs = Runs::kExport,
-     .action = Action::kWatch,
-     .summary = "a picture of the block, seen from the front left and above"},
+     .action = Action::kWatch},
 };
 
 }  // namespace

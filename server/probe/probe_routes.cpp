@@ -218,16 +218,14 @@ constexpr Route kRoutes[] = {
      .query = "at_mm, normal, at",
      .answer = &probe,
      .runs = Runs::kExport,
-     .action = Action::kWatch,
-     .summary = "200, the exact surface at a place, and the motion that cut it"},
+     .action = Action::kWatch},
     {.methods = "POST",
      .pattern = "/v1/sessions/{id}/owners",
      .query = "at",
      .answer = &owners,
      .body_bytes_max = kPointBytesMax,
      .runs = Runs::kExport,
-     .action = Action::kWatch,
-     .summary = "who cut the surface at points: a number for each place and normal"},
+     .action = Action::kWatch},
 };
 
 }  // namespace

@@ -88,12 +88,5 @@ TEST(Routes, EveryRowIsReachable) {
   }
 }
 
-TEST(Routes, TheReadmeHoldsTheTable) {
-  const std::string readme = test::content_of(KERF_SOURCE_DIR "/server/http/README.md");
-  EXPECT_TRUE(readme.contains(table().markdown()))
-      << "server/http/README.md must contain this table:\n"
-      << table().markdown();
-}
-
 }  // namespace
 }  // namespace kerf::net::route_table_test
