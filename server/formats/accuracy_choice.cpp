@@ -33,7 +33,7 @@ constexpr double kUsPerColumn = 0.0032;
 constexpr double kTightParts = 0.0017;
 constexpr double kPaperParts = 0.3;
 // Cost of three fields of rays relative to one.
-constexpr double kTriDexelCost = 3.8;
+constexpr double kTriDexelCost = 4.8;
 // Length of the motion whose footprint determines the number of columns, mm.
 constexpr double kTravelMm = 1;
 
