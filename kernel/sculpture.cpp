@@ -41,7 +41,7 @@ double combined_mm3(std::span<const RemovedVolume> fields, double RemovedVolume:
 
 }  // namespace
 
-Sculpture::Sculpture(SculptureSettings settings, const std::stop_token& stop)
+Sculpture::Sculpture(SculptureSettings settings, const StopAsked& stop_asked)
     : settings_(std::move(settings)),
       obstacles_(settings_.obstacles.empty() ? nullptr
                                              : std::make_unique<Obstacles>(settings_.obstacles)),
@@ -51,7 +51,7 @@ Sculpture::Sculpture(SculptureSettings settings, const std::stop_token& stop)
   for (const RayAxis axis : axes_of(settings_.rays)) {
     if (settings_.stock_mesh) {
       fields_.emplace_back(*settings_.stock_mesh, settings_.pitch_mm, axis, settings_.keep_normals,
-                           stop);
+                           stop_asked);
     } else {
       fields_.emplace_back(settings_.stock, settings_.pitch_mm, axis, settings_.keep_normals);
     }
@@ -67,7 +67,7 @@ Sculpture& Sculpture::operator=(Sculpture&&) noexcept = default;
 Sculpture::~Sculpture() = default;
 
 std::expected<Sculpture, SculptureError> Sculpture::create(SculptureSettings settings,
-                                                           const std::stop_token& stop) {
+                                                           const StopAsked& stop_asked) {
   if (settings.stock_mesh) {
     const std::string fault = mesh_stock_fault(*settings.stock_mesh);
     if (!fault.empty())
@@ -75,9 +75,9 @@ std::expected<Sculpture, SculptureError> Sculpture::create(SculptureSettings set
     settings.stock = mesh_bounds(*settings.stock_mesh);
   }
   if (auto c = check_settings(settings); !c) return std::unexpected(c.error());
-  Sculpture made(std::move(settings), stop);
-  if (stop.stop_requested())
-    return std::unexpected(SculptureError{SculptureErrorCode::kStopped, "a stop was requested"});
+  Sculpture made(std::move(settings), stop_asked);
+  if (stop_asked && stop_asked())
+    return std::unexpected(SculptureError{SculptureErrorCode::kStopped, "a stop was asked"});
   return made;
 }
 

@@ -9,10 +9,10 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <stop_token>
 #include <vector>
 
 #include "kernel/dexel/solid_snapshot.h"
+#include "kernel/dexel/stop_asked.h"
 #include "kernel/dexel/tile_columns.h"
 #include "kernel/force/contact_plane.h"
 #include "kernel/math/wrench.h"
@@ -46,9 +46,9 @@ struct SweepSettings;
 class Sculpture {
  public:
   /// Builds the block. Returns an error for the first setting that is out of range
-  /// (sculpture_settings.h).
+  /// (sculpture_settings.h), or kStopped if a stop was asked while a mesh was converted.
   static std::expected<Sculpture, SculptureError> create(SculptureSettings settings,
-                                                         const std::stop_token& stop = {});
+                                                         const StopAsked& stop_asked = {});
   Sculpture(Sculpture&&) noexcept;
   Sculpture& operator=(Sculpture&&) noexcept;
   ~Sculpture();
@@ -156,7 +156,7 @@ class Sculpture {
 
  private:
   friend class MotionWindow;
-  Sculpture(SculptureSettings settings, const std::stop_token& stop);
+  Sculpture(SculptureSettings settings, const StopAsked& stop_asked);
   std::expected<void, SculptureError> check_move(const MoveTool& command) const;
   Wrench collision(const Tool& tool, const ToolPose& pose) const;
   /// Removes the imprint of the tool at the start of a motion from the elements that the motion

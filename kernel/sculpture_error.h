@@ -22,7 +22,7 @@ enum class SculptureErrorCode {
   kOutOfRange,         ///< a tool tip is beyond kCoordinateMaxMm
   kBadDuration,        ///< duration_s is negative, not finite or denormal
   kTooManySubMotions,  ///< a motion would be divided into more than 2^20 cuts
-  kStopped,            ///< a stop was requested
+  kStopped,            ///< a stop was asked
 };
 
 struct SculptureError {

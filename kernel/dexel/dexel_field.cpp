@@ -19,13 +19,13 @@ DexelField::DexelField(const StockShape& stock, double pitch_mm, RayAxis axis, b
       stock_volume_mm3_(stock_quanta(stock_, grid_) * grid_.quantum_mm3()) {}
 
 DexelField::DexelField(const TriangleMesh& mesh, double pitch_mm, RayAxis axis, bool keep_normals,
-                       const std::stop_token& stop)
+                       const StopAsked& stop_asked)
     : DexelField(mesh_bounds(mesh), pitch_mm, axis, keep_normals) {
   const auto store = [this](TileIndex at, std::shared_ptr<DexelTile> tile) {
     tile->era = era_;
     put(at, std::move(tile));
   };
-  dexelize(mesh, grid_, keep_normals, store, &shares_, stop);
+  dexelize(mesh, grid_, keep_normals, store, &shares_, stop_asked);
   if (keep_normals) untouched_ = tiles_;
   stock_volume_mm3_ = snapshot().volume_mm3();  // from now on the tiles are shared
 }

@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <stop_token>
 #include <vector>
 
 #include "kernel/dexel/column_shares.h"
 #include "kernel/dexel/dexel_snapshot.h"
 #include "kernel/dexel/dexel_tile.h"
+#include "kernel/dexel/stop_asked.h"
 #include "kernel/dexel/triangle_mesh.h"
 
 namespace kerf {
@@ -26,9 +26,9 @@ class DexelField {
              bool keep_normals = false);
   /// Builds the solid bounded by a mesh (mesh_stock.h). The stock shape is the mesh's bounding box.
   /// Every tile that the solid does not fill is stored, as if a tool had cut it. The field lacks
-  /// some of them if a stop was requested meanwhile.
+  /// some of them if a stop was asked meanwhile.
   DexelField(const TriangleMesh& mesh, double pitch_mm, RayAxis axis, bool keep_normals,
-             const std::stop_token& stop = {});
+             const StopAsked& stop_asked = {});
 
   const DexelGrid& grid() const { return grid_; }
   const StockShape& stock() const { return stock_; }

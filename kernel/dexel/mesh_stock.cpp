@@ -326,10 +326,11 @@ std::string mesh_stock_fault(const TriangleMesh& mesh) {
 
 void dexelize(const TriangleMesh& mesh, const DexelGrid& grid, bool keep_normals,
               const std::function<void(TileIndex, std::shared_ptr<DexelTile>)>& put,
-              ColumnShares* shares, const std::stop_token& stop) {
+              ColumnShares* shares, const StopAsked& stop_asked) {
   Dexelizer dexelizer(mesh, grid, keep_normals);
   std::map<TileIndex, ColumnShares::OfTile> near_walls;
-  for (std::int32_t band = 0; band < grid.tiles_y() && !stop.stop_requested(); ++band) {
+  for (std::int32_t band = 0; band < grid.tiles_y(); ++band) {
+    if (stop_asked && stop_asked()) break;
     dexelizer.run(band, put);
     if (shares != nullptr) dexelizer.add_shares(band, *shares, near_walls);
   }

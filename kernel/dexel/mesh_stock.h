@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "kernel/dexel/column_shares.h"
 #include "kernel/dexel/dexel_grid.h"
 #include "kernel/dexel/stock_shape.h"
+#include "kernel/dexel/stop_asked.h"
 #include "kernel/dexel/tile_index.h"
 #include "kernel/dexel/triangle_mesh.h"
 
@@ -35,10 +35,10 @@ std::string mesh_stock_fault(const TriangleMesh& mesh);
 ///
 /// Calls put(tile, columns) for every tile that is not solid throughout, with its elements and, if
 /// `keep_normals`, the normals of the triangles that the rays hit. Unless `shares` is null, sets
-/// the shares of columns next to walls in it (MeshShares). Ends early, with the other tiles missing,
-/// soon after a stop was requested.
+/// the shares of columns next to walls in it (MeshShares). Ends after a row of tiles, with the
+/// other rows missing, if a stop is asked.
 void dexelize(const TriangleMesh& mesh, const DexelGrid& grid, bool keep_normals,
               const std::function<void(TileIndex, std::shared_ptr<DexelTile>)>& put,
-              ColumnShares* shares = nullptr, const std::stop_token& stop = {});
+              ColumnShares* shares = nullptr, const StopAsked& stop_asked = {});
 
 }  // namespace kerf

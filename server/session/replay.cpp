@@ -45,7 +45,7 @@ std::expected<Scene, JournalError> journal_scene(const JournalReader& reader,
 std::expected<FirstBlock, JournalError> first_block(const JournalReader& reader, const Scene& scene,
                                                     const std::filesystem::path& file,
                                                     const std::stop_token& stop) {
-  auto sculpture = Sculpture::create(scene.settings, stop);
+  auto sculpture = Sculpture::create(scene.settings, [&] { return stop.stop_requested(); });
   if (stop.stop_requested()) return std::unexpected(stopped_reading(file));
   if (!sculpture) return std::unexpected(corrupt(file, 0, sculpture.error().reason));
   FirstBlock first{*std::move(sculpture)};

@@ -187,7 +187,8 @@ std::expected<Scene, RegistryError> SessionRegistry::check_scene(std::string_vie
   }
   if (auto ok = check_name(scene->name); !ok) return std::unexpected(ok.error());
   // Run the kernel's checks (too many columns, an obstacle inside out) before creating a file.
-  const auto probe = Sculpture::create(scene->settings, source.stop);
+  const auto probe =
+      Sculpture::create(scene->settings, [&] { return source.stop.stop_requested(); });
   if (source.stop.stop_requested()) return std::unexpected(stopped_request());
   if (!probe) return std::unexpected(RegistryError{kBadScene, probe.error().reason, {}});
   if (auto ok = check_tiles(probe->grid(), options_.session.tiles_max); !ok) {

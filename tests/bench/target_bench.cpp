@@ -316,8 +316,8 @@ void print_cost_law() {
           scene.settings.motion = motion;
           auto carved = carve_once(scene.settings, scene, program).value();
           for (int more = 0; more < 2; ++more)
-            carved.cpu_s = std::min(carved.cpu_s,
-                                    carve_once(scene.settings, scene, program).value().cpu_s);
+            carved.cpu_s =
+                std::min(carved.cpu_s, carve_once(scene.settings, scene, program).value().cpu_s);
           const auto motions = double(program.motions.size());
           std::printf("%-9s %-6s %6.3g %9.2g %9.2f %9.2f %18.2f\n", to_string(rays),
                       motion == MotionModel::kTight ? "tight" : "paper", pitch, tolerance,

@@ -228,17 +228,17 @@ TEST(MeshStock, AStopEndsTheConversionAfterTheRowOfTiles) {
   const TriangleMesh mesh = octahedron({0, 0, 0}, 10);
   const DexelGrid grid = make_grid(mesh_bounds(mesh), 0.1);
   ASSERT_GT(grid.tiles_y(), 2);
-  std::stop_source stop;
+  bool is_asked = false;
   std::set<std::int32_t> rows;
   const auto put = [&](TileIndex at, const std::shared_ptr<DexelTile>&) {
     rows.insert(at.y);
-    stop.request_stop();
+    is_asked = true;
   };
-  dexelize(mesh, grid, false, put, nullptr, stop.get_token());
+  dexelize(mesh, grid, false, put, nullptr, [&] { return is_asked; });
   EXPECT_EQ(rows.size(), 1U);
   const auto made =
       Sculpture::create({.stock_mesh = std::make_shared<const TriangleMesh>(mesh), .pitch_mm = 0.1},
-                        stop.get_token());
+                        [] { return true; });
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, SculptureErrorCode::kStopped);
 }
