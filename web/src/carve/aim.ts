@@ -9,19 +9,23 @@ import type { Pose } from './tool/path_queue';
 import type { Hit } from '../model/surface';
 import type { Ray } from './surface';
 import { across, distance, dot, minus, plus, unitOf } from '../model/vector';
+import { leaningFrom, meetsAbove } from './clearance';
 import { angleBetween, lerp, turned } from './tool/vectors';
 
 /** `surface`: the tip follows the surface; `plane`: it stays on a plane through the stroke's start. */
 export type AimMode = 'surface' | 'plane';
 
+/**
+ * The tool's axis: across the surface; vertical, as on a machine with three axes; or that of a pen
+ * that tells its tilt, and without one across the surface.
+ */
+export type AxisChoice = 'surface' | 'vertical' | 'pen';
+export const AXIS_CHOICES: readonly AxisChoice[] = ['surface', 'vertical', 'pen'];
+
 export interface AimSettings {
   mode: AimMode;
   depthMm: number;
-  /**
-   * The axis leans from the vertical by at most this, towards the normal, or as a pen does that
-   * tells its tilt; 0: it stays vertical.
-   */
-  leanMaxRad: number;
+  axis: AxisChoice;
 }
 
 /** The line of sight through a pointer. */
@@ -32,12 +36,14 @@ export interface Sight extends Ray {
 
 /** The surface at one moment. */
 export interface Probed {
-  hit(ray: Ray): Hit | null;
+  /** The first place where a ray enters the block, within `reach` mm; null if it does not. */
+  hit(ray: Ray, reach?: number): Hit | null;
   smoothNormal(hit: Hit, around: readonly Vec3[], radius: number): Vec3;
 }
 
-export const LEAN_MAX_RAD = Math.PI / 4;
 const UP: Vec3 = [0, 0, 1];
+const TURN_PER_RADIUS = 1.5; // of the axis, rad while the tool goes its radius
+const LEAN_MAX_RAD = 1.2; // from the normal, of an axis that is kept
 const PROBES = 6;
 const LIFT_MM = 1; // of a tool that waits over the surface
 
@@ -75,14 +81,6 @@ function bodyLift(outline: readonly OutlinePoint[], angle: number): number {
   return Math.max(...outline.map(([r, z]) => r * sine - z * cosine));
 }
 
-/** The vertical axis, leaned towards a direction. */
-export function leaned(direction: Vec3, leanMaxRad: number): Vec3 {
-  const angle = angleBetween(UP, direction);
-  if (leanMaxRad === 0 || angle < 1e-6) return UP;
-  const towards = Math.PI - angle < 1e-6 ? across(UP)[0] : direction;
-  return turned(UP, towards, Math.min(angle, leanMaxRad));
-}
-
 interface Stroke {
   /** Of the plane mode: a point of the surface, and the axis. */
   origin: Vec3;
@@ -93,6 +91,7 @@ export class Aim {
   private normal_: Vec3 | null = null; // smoothed along the path
   private last_: Vec3 | null = null; // the last place on the surface
   private axis_: Vec3 = UP;
+  private touches_ = false; // with its side, shank or holder
   private touched_: { point: Vec3; normal: Vec3 } | null = null; // by the newest pose
   private stroke_: Stroke | null = null;
 
@@ -128,7 +127,7 @@ export class Aim {
       return this.onPlane_(ray, stroke);
     }
     const hit = surface.hit(ray);
-    // Beside the block the tool goes on level, so that a stroke may run over the edge.
+    // Off the block the tool goes on level, so that a stroke may run over the edge.
     return hit
       ? this.onSurface_(surface, hit, ray.pen)
       : this.onPlane_(ray, { ...stroke, origin: this.last_! });
@@ -140,6 +139,24 @@ export class Aim {
     const pose = this.move(surface, ray);
     Object.assign(this, { normal_, last_, axis_, touched_ });
     return pose;
+  }
+
+  /**
+   * How far the surface under a pointer is from the last place of the stroke, mm; 0 where the tool
+   * does not follow the surface.
+   */
+  farTo(surface: Probed, ray: Ray): number {
+    const hit = this.settings.mode === 'surface' && this.last_ ? surface.hit(ray) : null;
+    return hit ? distance(this.last_!, hit.point) : 0;
+  }
+
+  /** Whether the newest tool across the surface meets the block with its side, shank or holder. */
+  get touches(): boolean {
+    return this.touches_;
+  }
+
+  get radiusMm(): number {
+    return this.profile.radiusMm;
   }
 
   end(): void {
@@ -161,12 +178,11 @@ export class Aim {
 
   private onSurface_(surface: Probed, hit: Hit, pen: Vec3 | null = null): Pose | null {
     const radius = this.probeRadius_();
-    const normal = this.smoothed_(surface.smoothNormal(hit, ring(hit.normal), radius), hit, radius);
-    const { depthMm, leanMaxRad } = this.settings;
-    // A surface that faces away from a pen is reached as without one.
-    for (const towards of pen ? [pen, normal] : [normal]) {
-      const axis = leaned(towards, leanMaxRad);
-      const tip = tipOn(hit.point, normal, axis, depthMm, this.profile);
+    const moved = this.last_ ? distance(this.last_, hit.point) : Infinity;
+    const probed = surface.smoothNormal(hit, ring(hit.normal), radius);
+    const normal = this.smoothed_(probed, moved, radius);
+    for (const axis of this.axes_(surface, hit.point, normal, pen, moved / radius)) {
+      const tip = tipOn(hit.point, normal, axis, this.settings.depthMm, this.profile);
       if (!tip) continue;
       this.last_ = hit.point;
       this.touched_ = { point: hit.point, normal };
@@ -176,14 +192,52 @@ export class Aim {
     return null;
   }
 
+  /**
+   * The axes that the settings allow on a surface, the best one first. `radii`: how far the tool has
+   * come, in its radii; within a stroke the axis turns no faster than that allows.
+   */
+  private axes_(
+    surface: Probed,
+    point: Vec3,
+    normal: Vec3,
+    pen: Vec3 | null,
+    radii: number,
+  ): Vec3[] {
+    const { axis: choice } = this.settings;
+    if (choice === 'vertical') return [UP];
+    const across = this.clearAxis_(surface, point, normal);
+    const wanted = choice === 'pen' && pen ? [pen, across] : [across];
+    if (!this.stroke_) return wanted;
+    const most = TURN_PER_RADIUS * radii;
+    const slow = wanted.map((axis) =>
+      angleBetween(this.axis_, axis) > most ? turned(this.axis_, axis, most) : axis,
+    );
+    return [...slow, ...wanted]; // the surface may have turned away from a slow axis
+  }
+
+  /** The normal; or the axis next to it with which side, shank and holder are clear, if there is one. */
+  private clearAxis_(surface: Probed, point: Vec3, normal: Vec3): Vec3 {
+    const { profile } = this;
+    const { depthMm } = this.settings;
+    const isClear = (axis: Vec3): boolean => {
+      const tip = tipOn(point, normal, axis, depthMm, profile);
+      return tip !== null && !meetsAbove(surface, { tip, axis }, profile, depthMm);
+    };
+    this.touches_ = false;
+    if (isClear(normal)) return normal;
+    const kept = angleBetween(this.axis_, normal) < LEAN_MAX_RAD ? [this.axis_] : [];
+    for (const axis of [...kept, ...leaningFrom(normal)]) if (isClear(axis)) return axis;
+    this.touches_ = true;
+    return normal;
+  }
+
   /** Half the part of the tool that is in the stock; a wide tool does not smooth its own path away. */
   private probeRadius_(): number {
     return Math.max(0.05, this.profile.radiusMm / 2);
   }
 
-  private smoothed_(normal: Vec3, { point }: Hit, radius: number): Vec3 {
+  private smoothed_(normal: Vec3, moved: number, radius: number): Vec3 {
     const known = this.stroke_ ? this.normal_ : null;
-    const moved = this.last_ ? distance(this.last_, point) : Infinity;
     this.normal_ = known ? unitOf(lerp(known, normal, 1 - Math.exp(-moved / radius))) : normal;
     return this.normal_;
   }

@@ -9,7 +9,7 @@ import './carve.css';
 import { toolName, toolProfile } from '../model/tool_profile';
 import { figure } from '../ui/format';
 import type { ToolInfo } from '../wire/types';
-import type { AimMode } from './aim';
+import type { AimMode, AxisChoice } from './aim';
 import type { DragStrength } from './drag';
 import { useCovering } from '../ui/shell';
 import type { Shell } from '../ui/shell';
@@ -21,6 +21,11 @@ const MODES: readonly [AimMode, string, string][] = [
   ['surface', t('Surface'), t('The tip follows the surface as it was before this stroke (P)')],
   ['plane', t('Plane'), t('The tip stays on the plane where the stroke began (P)')],
 ];
+const AXES: Record<AxisChoice, string> = {
+  surface: t('Axis: surface'),
+  vertical: t('Axis: vertical'),
+  pen: t('Axis: pen'),
+};
 const DRAGS: Record<DragStrength, string> = {
   off: t('Resistance: off'),
   light: t('Resistance: light'),
@@ -147,6 +152,7 @@ export interface BarProps {
 function Controls({ settings, spaceMouse, undo, redo, done }: BarProps) {
   const { value: mode } = settings.mode;
   const { value: drag } = settings.drag;
+  const { value: axis } = settings.axis;
   return (
     <div class="carve-controls">
       <div class="carve-modes" role="group" aria-label={t('The tip follows')}>
@@ -160,10 +166,10 @@ function Controls({ settings, spaceMouse, undo, redo, done }: BarProps) {
         ))}
       </div>
       <Press
-        label={t('Lean')}
-        title={t('Leans the tool with the surface or the pen, up to 45° (L)')}
-        isPressed={settings.leans.value}
-        press={() => settings.toggleLean()}
+        label={AXES[axis]}
+        title={t('The axis of the tool: across the surface, vertical, or as the pen (L)')}
+        isPressed={axis !== 'surface'}
+        press={() => settings.nextAxis()}
       />
       <Press
         label={DRAGS[drag]}

@@ -256,7 +256,7 @@ export class CarveMode {
       redo: () => this.redo_(),
       nextTool: (step) => this.settings_.nextTool(step),
       togglePlane: () => this.settings_.togglePlane(),
-      toggleLean: () => this.settings_.toggleLean(),
+      nextAxis: () => this.settings_.nextAxis(),
       nextDrag: () => this.settings_.nextDrag(),
       space: (held) => {
         if (this.pointers_) this.pointers_.spaceHeld = held;

@@ -33,6 +33,8 @@ const THERE_PX = 0.25; // so near, the tool is there
 export interface DragStep {
   place: Place;
   pose: Pose;
+  /** The surface has a gap here: the tool is lifted, and begins again from this pose. */
+  hop?: Pose;
 }
 
 export class Drag {
@@ -107,7 +109,7 @@ export class Drag {
     while (left > 0 && this.at_) {
       const [next] = this.ahead_;
       if (!next) break;
-      const length = apart(this.at_, next);
+      const length = next.hop ? 0 : apart(this.at_, next);
       if (length <= left) {
         this.ahead_.shift();
         this.at_ = next;

@@ -12,18 +12,28 @@ import type { AimSettings, Sight } from './aim';
 import { Drag } from './drag';
 import type { DragStep } from './drag';
 import type { Pose } from './tool/path_queue';
-import { PointerPath } from './pointer_path';
+import { between, PointerPath } from './pointer_path';
 import type { Place } from './place';
 import { Sampler } from './sampler';
 import { Surface } from './surface';
 
 const RESTS_MS = 40; // a pointer from which nothing comes for so long
+const NEAR_PX = 0.5; // places this near are not divided
+const GAP_DIAMETERS = 2; // between near places of the picture: the tool goes through the air
 const OUT_OF_REACH = t(
-  "The tool can't reach this spot from above. Turn on Lean, or carve from another side.",
+  "A vertical tool can't reach this spot. Choose Axis: surface (L), or carve from another side.",
 );
 
+interface Stroke {
+  surface: Surface;
+  path: PointerPath;
+  movedMs: number;
+  /** The newest place of its path. */
+  at: Place;
+}
+
 export class Hand {
-  readonly settings: AimSettings = { mode: 'surface', depthMm: 1, leanMaxRad: 0 };
+  readonly settings: AimSettings = { mode: 'surface', depthMm: 1, axis: 'surface' };
   /** Its path, as the server gets it. */
   readonly sampler = new Sampler(0);
   /** By which it follows the pointer in a stroke. */
@@ -32,7 +42,7 @@ export class Hand {
   private tool_: ToolView | null = null;
   private surface_: { changes: number; surface: Surface } | null = null;
   /** While it lasts: the surface as it was when it began. */
-  private stroke_: { surface: Surface; path: PointerPath; movedMs: number } | null = null;
+  private stroke_: Stroke | null = null;
   private last_: { place: Place; pose: Pose } | null = null;
   private drawn_: Pose | null = null;
   /** Of a device that is no pointer: where the tool is, and whether it cuts. */
@@ -87,7 +97,7 @@ export class Hand {
     const pose = this.aim_?.begin(surface, ray);
     if (!this.aim_ || !pose) return surface.hit(ray) ? OUT_OF_REACH : '';
     const now = performance.now();
-    this.stroke_ = { surface, path: new PointerPath(place), movedMs: now };
+    this.stroke_ = { surface, path: new PointerPath(place), movedMs: now, at: place };
     this.drag.begin({ place, pose }, now);
     this.sampler.push(this.aim_.lifted(pose), false);
     this.cutTo_({ place, pose });
@@ -135,6 +145,7 @@ export class Hand {
     if (this.stroke_ && this.aim_ && this.last_) {
       this.sampler.push(this.aim_.lifted(this.last_.pose), false);
     }
+    this.sampler.endGesture();
     this.stroke_ = null;
     this.aim_?.end();
     this.settings.mode = this.modeBefore_ ?? this.settings.mode;
@@ -149,6 +160,7 @@ export class Hand {
     // A stroke begins where the tool was.
     if (cuts && !this.freelyCuts_) this.sampler.push(this.free_ ?? pose, false);
     this.sampler.push(pose, cuts);
+    if (!cuts) this.sampler.endGesture();
     this.freelyCuts_ = cuts;
     this.free_ = pose;
   }
@@ -156,6 +168,7 @@ export class Hand {
   /** Ends the stroke of such a device where the tool is. */
   lift(): void {
     if (this.freelyCuts_ && this.free_) this.sampler.push(this.free_, false);
+    this.sampler.endGesture();
     this.freelyCuts_ = false;
     this.free_ = null;
   }
@@ -182,11 +195,28 @@ export class Hand {
   }
 
   private follow_(places: readonly Place[], depthMm: number): void {
-    for (const place of places) {
-      this.press_(place, depthMm);
-      const pose = this.stroke_ && this.aim_?.move(this.stroke_.surface, this.ray_(place));
-      if (pose) this.drag.pull({ place, pose });
+    for (const place of places) this.step_(place, depthMm);
+  }
+
+  /** Goes to a place, by the places between where the surface there is far from the tool. */
+  private step_(place: Place, depthMm: number): void {
+    const { stroke_: stroke, aim_: aim } = this;
+    if (!stroke || !aim) return;
+    const { surface, at } = stroke;
+    const ray = this.ray_(place);
+    const farMm = aim.farTo(surface, ray);
+    const px = Math.hypot(place.x - at.x, place.y - at.y);
+    if (farMm > aim.radiusMm && px > NEAR_PX) {
+      this.step_(between(at, place, 0.5), depthMm);
+      this.step_(place, depthMm);
+      return;
     }
+    const hops = farMm > 2 * GAP_DIAMETERS * aim.radiusMm;
+    this.press_(place, depthMm);
+    const pose = aim.move(surface, ray);
+    stroke.at = place;
+    if (!pose) return;
+    this.drag.pull({ place, pose, ...(hops && { hop: aim.lifted(pose) }) });
   }
 
   /** Unless it is held back, the tool is where the pointer is. */
@@ -199,8 +229,9 @@ export class Hand {
     for (const step of steps) this.cutTo_(step);
   }
 
-  private cutTo_({ place, pose }: DragStep): void {
+  private cutTo_({ place, pose, hop }: DragStep): void {
     this.show_(place, pose);
+    if (hop) this.sampler.push(hop, false);
     this.sampler.push(pose, true);
   }
 

@@ -8,7 +8,7 @@ export interface CarveKeyActions {
   redo: () => void;
   nextTool: (step: 1 | -1) => void;
   togglePlane: () => void;
-  toggleLean: () => void;
+  nextAxis: () => void;
   nextDrag: () => void;
   space: (held: boolean) => void;
 }
@@ -30,7 +30,7 @@ function actionOf(event: KeyboardEvent, actions: CarveKeyActions): (() => void) 
     case 'p':
       return actions.togglePlane;
     case 'l':
-      return actions.toggleLean;
+      return actions.nextAxis;
     case 'd':
       return actions.nextDrag;
     default:

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // Turns the poses of a pointer into timed samples that the server accepts: with increasing times, at
-// most so many per second, and no faster than a tip may move. A jump is divided and takes its time.
+// most so many per second, and no faster than a tip may move. A jump is divided and takes its time,
+// and so does a turn of the axis.
+//
+// A gesture is what the user does between touching down and lifting, and takes back as a whole: one
+// stroke, or several if the surface has gaps, and their images. Images repeat the samples that were
+// sent, so that the kernel makes the same sub-motions in the mirror.
 
 import { BUTTON_CUTTING, BUTTON_DEADMAN } from '../wire/types';
 import type { Vec3 } from '../wire/types';
 import type { Draft } from './sample_log';
 import { distance } from '../model/vector';
 import { PathQueue } from './tool/path_queue';
-import type { PathRequest, Pose, Waiting } from './tool/path_queue';
-import { lerp, slerp } from './tool/vectors';
+import type { Image, PathRequest, Pose, Repeat, Waiting } from './tool/path_queue';
+import { angleBetween, lerp, slerp } from './tool/vectors';
 
 export interface SamplerLimits {
   speedMmPerS: number;
@@ -18,7 +23,17 @@ export interface SamplerLimits {
 const OF_LIMIT = 0.8; // rounding, and clocks that differ a little
 const HAND_MM_PER_S = 1000; // faster sweeps follow later
 const BURST_S = 0.1; // unused time that may be made up for
+/**
+ * A turn takes as long as a place this far above the tip would take on a straight line, mm. With the
+ * greatest speed and burst a motion turns by 2.5 rad at most; the kernel takes 170°.
+ */
+const ARM_MM = 40;
 const GRID_PER_MM = 1e6; // the server rounds poses to six decimals
+
+/** The length of a motion that counts for its duration, mm. */
+function lengthOf(from: Pose, to: Pose): number {
+  return Math.max(distance(from.tip, to.tip), ARM_MM * angleBetween(from.axis, to.axis));
+}
 
 function onGrid(tip: Vec3): Vec3 {
   return tip.map((value) => Math.round(value * GRID_PER_MM) / GRID_PER_MM) as Vec3;
@@ -30,6 +45,13 @@ export class Sampler {
   private atUs_ = 0;
   private speed_ = HAND_MM_PER_S;
   private ratePerUs_ = 1e-3;
+  private images_: readonly Image[] = [];
+  /** The strokes that images will repeat, as they were sent, with the poses before and after them. */
+  private recorded_: Waiting[][] = [];
+  private strokes_ = 0; // of the present gesture
+  private isDown_ = false;
+  private done_: number[] = []; // strokes of each gesture, with images
+  private undone_: number[] = [];
 
   constructor(private tool_: number) {}
 
@@ -43,9 +65,28 @@ export class Sampler {
     this.tool_ = id;
   }
 
+  /** By which the gestures from now on are repeated. The one before must have ended. */
+  set images(images: readonly Image[]) {
+    this.images_ = images;
+  }
+
   /** Where the tool goes next; `cuts`: on its path there. */
   push({ tip, axis }: Pose, cuts: boolean): void {
-    this.queue_.push({ pose: { tip: onGrid(tip), axis }, cuts, tool: this.tool_ });
+    if (cuts && !this.isDown_) this.strokes_ += 1;
+    if (cuts) this.undone_ = [];
+    this.isDown_ = cuts;
+    const isRepeated = this.images_.length > 0 && this.strokes_ > 0;
+    const pose = { tip: onGrid(tip), axis };
+    this.queue_.push({ pose, cuts, tool: this.tool_, ...(isRepeated && { isRepeated }) });
+  }
+
+  /** Ends a gesture, after the tool was lifted: its images follow. */
+  endGesture(): void {
+    const { strokes_: strokes, images_: images } = this;
+    if (strokes === 0) return;
+    this.strokes_ = 0;
+    this.done_.push(strokes * (1 + images.length));
+    if (images.length > 0) this.queue_.ask({ type: 'repeat', strokes, images });
   }
 
   /** Asks the server, after all that waits. */
@@ -53,20 +94,32 @@ export class Sampler {
     this.queue_.ask(request);
   }
 
-  /** Undoes the newest stroke. Returns whether it had only waited: else the server is asked. */
+  /** Undoes the newest gesture. Returns whether it had only waited: else the server is asked. */
   undo(): boolean {
-    return this.queue_.undo(this.at_);
+    this.endGesture();
+    const strokes = this.done_.pop() ?? 1;
+    this.undone_.push(strokes);
+    let isHere = true;
+    for (let n = 0; n < strokes; n += 1) isHere = this.queue_.undo(this.at_) && isHere;
+    return isHere;
   }
 
-  /** Redoes the stroke that was undone last. Returns whether it waits again: else as undo(). */
+  /** Redoes the gesture that was undone last. Returns whether it waits again: else as undo(). */
   redo(): boolean {
-    return this.queue_.redo();
+    const strokes = this.undone_.pop() ?? 1;
+    this.done_.push(strokes);
+    let isHere = true;
+    for (let n = 0; n < strokes; n += 1) isHere = this.queue_.redo() && isHere;
+    return isHere;
   }
 
   /** Drops the waiting poses and the tool's position: the next pose is reached without a motion. */
   forget(): void {
     this.queue_.clear();
     this.at_ = null;
+    this.recorded_ = [];
+    this.strokes_ = 0;
+    this.isDown_ = false;
   }
 
   /** How many poses and requests wait. */
@@ -76,7 +129,10 @@ export class Sampler {
 
   /** The requests after the samples that were taken. Send them before taking more. */
   takeRequests(): PathRequest[] {
-    return this.queue_.takeRequests();
+    const requests = this.queue_.takeRequests();
+    const repeat = this.queue_.takeRepeat();
+    if (repeat) this.repeat_(repeat);
+    return requests;
   }
 
   /**
@@ -91,7 +147,7 @@ export class Sampler {
     if (!this.queue_.next) return this.at_.cuts ? [this.sample_(this.at_, nowUs)] : [];
     const startUs = nowUs - sinceUs;
     const steps = this.walk_(count, (this.speed_ * sinceUs) / 1e6);
-    const length = steps.at(-1)!.reached || 1;
+    const length = (steps.at(-1)?.reached ?? 0) || 1;
     return steps.map(({ waiting, reached }, n) => {
       // Even a step of no length takes its share of the time.
       const part = (0.999 * reached) / length + (0.001 * (n + 1)) / steps.length;
@@ -120,7 +176,7 @@ export class Sampler {
         ({ pose: from, tool } = next);
         continue;
       }
-      const length = distance(from.tip, next.pose.tip);
+      const length = lengthOf(from, next.pose);
       if (reached + length <= reachMm || !next.cuts) {
         this.queue_.shift();
         if (next.cuts) reached += length;
@@ -128,19 +184,43 @@ export class Sampler {
         from = next.pose;
         continue;
       }
+      // An image waits for its time. It needs no more than a burst, unless the limits have changed.
+      if (next.isImage && reachMm < this.speed_ * BURST_S) break;
       const part = (reachMm - reached) / length;
       const pose = {
         tip: onGrid(lerp(from.tip, next.pose.tip, part)),
         axis: slerp(from.axis, next.pose.axis, part),
       };
-      steps.push({ waiting: { pose, cuts: true, tool }, reached: reachMm });
+      steps.push({ waiting: { ...next, pose, tool }, reached: reachMm });
       break;
     }
     return steps;
   }
 
+  private record_(before: Waiting, waiting: Waiting): void {
+    if (waiting.cuts && !before.cuts) this.recorded_.push([before]);
+    const isRest = lengthOf(before.pose, waiting.pose) === 0 && before.cuts === waiting.cuts;
+    if ((before.cuts || waiting.cuts) && !isRest) this.recorded_.at(-1)?.push(waiting);
+  }
+
+  private repeat_({ strokes, images }: Repeat): void {
+    const recorded = this.recorded_.slice(-strokes);
+    this.recorded_ = [];
+    const repeated = images.flatMap((image) =>
+      recorded.flatMap((stroke) =>
+        stroke.map(({ pose, cuts, tool }, n): Waiting => {
+          const { tip, axis } = image(pose);
+          const isCut = cuts && n > 0;
+          return { pose: { tip: onGrid(tip), axis }, cuts: isCut, tool, isImage: true };
+        }),
+      ),
+    );
+    this.queue_.putFirst(repeated);
+  }
+
   private sample_(waiting: Waiting, timeUs: number): Draft {
     const time = Math.max(timeUs, this.atUs_ + 1);
+    if (waiting.isRepeated && this.at_) this.record_(this.at_, waiting);
     this.at_ = waiting;
     this.atUs_ = time;
     return {

@@ -4,8 +4,8 @@
 import { signal } from '@preact/signals';
 import { toolProfile } from '../model/tool_profile';
 import type { ToolInfo, Welcome } from '../wire/types';
-import { LEAN_MAX_RAD } from './aim';
-import type { AimMode } from './aim';
+import { AXIS_CHOICES } from './aim';
+import type { AimMode, AxisChoice } from './aim';
 import { DRAG_STRENGTHS } from './drag';
 import type { DragStrength } from './drag';
 import { recall, remember } from '../strings/memory';
@@ -27,7 +27,7 @@ export interface SettingsHost {
 export class ToolSettings {
   private welcome_: Welcome | null = null; // for which the rack was filled
   readonly mode = signal<AimMode>('surface');
-  readonly leans = signal(false);
+  readonly axis = signal<AxisChoice>('surface');
   readonly drag = signal<DragStrength>(DEFAULT_DRAG);
   /** The depth and its bounds, mm. */
   readonly depth = signal({ mm: 1, least: 0.1, most: 10 });
@@ -101,9 +101,11 @@ export class ToolSettings {
     this.chooseMode(this.hand.settings.mode === 'plane' ? 'surface' : 'plane');
   }
 
-  toggleLean(): void {
+  /** The next choice of the tool's axis. */
+  nextAxis(): void {
     const { settings } = this.hand;
-    settings.leanMaxRad = settings.leanMaxRad > 0 ? 0 : LEAN_MAX_RAD;
+    const at = AXIS_CHOICES.indexOf(settings.axis) + 1;
+    settings.axis = AXIS_CHOICES[at % AXIS_CHOICES.length]!;
     this.showMode_();
   }
 
@@ -131,9 +133,9 @@ export class ToolSettings {
   }
 
   private showMode_(): void {
-    const { mode, leanMaxRad } = this.hand.settings;
+    const { mode, axis } = this.hand.settings;
     this.mode.value = mode;
-    this.leans.value = leanMaxRad > 0;
+    this.axis.value = axis;
     this.hand.hoverAgain(this.host.isJoined());
   }
 }

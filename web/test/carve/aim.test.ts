@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { Aim, LEAN_MAX_RAD, leaned, tipOn } from '../../src/carve/aim';
+import { Aim, tipOn } from '../../src/carve/aim';
 import type { AimSettings, Probed } from '../../src/carve/aim';
 import type { Ray } from '../../src/carve/surface';
 import type { Hit } from '../../src/model/surface';
@@ -59,7 +59,7 @@ function aimOf(tool: ToolInfo, settings: Partial<AimSettings> = {}): Aim {
   return new Aim(toolProfile(tool), BOX, {
     mode: 'surface',
     depthMm: 1.5,
-    leanMaxRad: 0,
+    axis: 'vertical',
     ...settings,
   });
 }
@@ -115,40 +115,78 @@ describe('aim', () => {
 
   it('does not reach a surface that faces away', () => {
     expect(aimOf(BALL).hover(slope(tilted(91)), down(0, 0))).toBeNull();
-    const leaning = aimOf(BALL, { leanMaxRad: LEAN_MAX_RAD });
+    const leaning = aimOf(BALL, { axis: 'surface' });
     expect(leaning.hover(slope(tilted(91)), down(0, 0))).not.toBeNull();
   });
 
-  it('leans to the normal, up to the limit', () => {
-    expect(leaned([0, 0, 1], LEAN_MAX_RAD)).toEqual([0, 0, 1]);
-    expect(leaned(tilted(50), 0)).toEqual([0, 0, 1]);
-    expect(angleBetween(leaned(tilted(30), LEAN_MAX_RAD), tilted(30))).toBeCloseTo(0);
-    const axis = leaned(tilted(80), LEAN_MAX_RAD);
-    expect(angleBetween(axis, [0, 0, 1])).toBeCloseTo(Math.PI / 4);
-    expect(angleBetween(axis, tilted(80))).toBeCloseTo((35 * Math.PI) / 180);
-    expect(angleBetween(leaned([0, 0, -1], LEAN_MAX_RAD), [0, 0, 1])).toBeCloseTo(Math.PI / 4);
+  it('stands across a surface at any angle, also below the equator', () => {
+    const aim = aimOf(BALL, { axis: 'surface' });
+    for (const degrees of [0, 30, 90, 135, 180]) {
+      const normal = tilted(degrees);
+      const { tip, axis } = aim.hover(slope(normal), down(0, 0))!;
+      expect(angleBetween(axis, normal)).toBeCloseTo(0);
+      expect(dot(tip, normal)).toBeCloseTo(-1.5);
+    }
   });
 
-  it('leans as a pen does, up to the limit, with its shank clear', () => {
+  it('leans as a pen does, with its shank clear, and else with the surface', () => {
     const profile = toolProfile(WIDE);
-    const aim = aimOf(WIDE, { leanMaxRad: LEAN_MAX_RAD });
-    for (const degrees of [-60, -30, 0, 30, 70])
+    const aim = aimOf(WIDE, { axis: 'pen' });
+    for (const degrees of [-55, -30, 0, 30, 55])
       for (const surface of [-30, 0, 30]) {
         const normal = tilted(surface);
         const { tip, axis } = aim.hover(slope(normal), { ...down(0, 0), pen: tilted(degrees) })!;
-        const within = Math.max(-45, Math.min(45, degrees));
-        expect(angleBetween(axis, tilted(within))).toBeCloseTo(0);
+        expect(angleBetween(axis, tilted(degrees))).toBeCloseTo(0);
         expect(lowest(profile.body.pieces, tip, axis, normal)).toBeGreaterThan(-1e-3);
       }
-    const steep = slope(tilted(80));
-    const away = aim.hover(steep, { ...down(0, 0), pen: tilted(-40) })!;
-    expect(away).toEqual(aim.hover(steep, down(0, 0)));
-    const upright = aimOf(WIDE).hover(slope([0, 0, 1]), { ...down(0, 0), pen: tilted(30) })!;
-    expect(upright.axis).toEqual([0, 0, 1]);
+    const away = aim.hover(slope(tilted(80)), { ...down(0, 0), pen: tilted(-40) })!;
+    expect(angleBetween(away.axis, tilted(80))).toBeCloseTo(0);
+    for (const axis of ['vertical', 'surface'] as const) {
+      const pose = aimOf(WIDE, { axis }).hover(slope([0, 0, 1]), {
+        ...down(0, 0),
+        pen: tilted(30),
+      })!;
+      expect(pose.axis).toEqual([0, 0, 1]);
+    }
+  });
+
+  it('leans its side away from a wall', () => {
+    // A floor and a wall over it at x = 2, which the upright tool of radius 3 would cut.
+    const corner: Probed = {
+      hit: ({ origin, direction }, reach = Infinity) => {
+        const floor = { at: -origin[2] / direction[2], normal: [0, 0, 1] as Vec3 };
+        const wall = { at: (2 - origin[0]) / direction[0], normal: [-1, 0, 0] as Vec3 };
+        const met = [floor, wall]
+          .filter(({ at, normal }) => at > 0 && at < reach && dot(normal, direction) < 0)
+          .sort((a, b) => a.at - b.at)[0];
+        if (!met) return null;
+        const point = [0, 1, 2].map((i) => origin[i]! + met.at * direction[i]!) as Vec3;
+        return { ...met, point, enters: true };
+      },
+      smoothNormal: (hit) => hit.normal,
+    };
+    // A wall of a half space hides nothing from above: the upper side of the tool is in it.
+    const roof: Probed = {
+      ...corner,
+      hit: (ray, reach) => {
+        const { origin, direction } = ray;
+        const top = { at: (20 - origin[2]) / direction[2], normal: [0, 0, 1] as Vec3 };
+        const point = [0, 1, 2].map((i) => origin[i]! + top.at * direction[i]!) as Vec3;
+        const isOn = top.at > 0 && top.at < (reach ?? Infinity) && point[0] > 2;
+        return isOn ? { ...top, point, enters: true } : corner.hit(ray, reach);
+      },
+    };
+    const aim = aimOf(BALL, { axis: 'surface' });
+    const pose = aim.hover(roof, down(0, 0))!;
+    expect(pose.axis[0]).toBeLessThan(-0.1);
+    expect(dot(pose.axis, pose.axis)).toBeCloseTo(1);
+    expect(aim.touches).toBe(false);
+    const far = aim.hover(roof, down(-20, 0))!;
+    expect(far.axis).toEqual([0, 0, 1]);
   });
 
   it('follows a surface at its depth', () => {
-    const aim = aimOf(BALL, { leanMaxRad: LEAN_MAX_RAD });
+    const aim = aimOf(BALL, { axis: 'surface' });
     aim.begin(globe, down(0, 0));
     for (let x = 0; x <= 25; x += 0.5) {
       const { tip, axis } = aim.move(globe, down(x, 0))!;
@@ -189,7 +227,7 @@ describe('aim', () => {
   });
 
   it('looks ahead without going there', () => {
-    const [one, other] = [aimOf(BALL, { leanMaxRad: 1 }), aimOf(BALL, { leanMaxRad: 1 })];
+    const [one, other] = [aimOf(BALL, { axis: 'surface' }), aimOf(BALL, { axis: 'surface' })];
     one.begin(globe, down(0, 0));
     other.begin(globe, down(0, 0));
     for (let x = 1; x < 30; ++x) {
@@ -217,7 +255,7 @@ describe('aim', () => {
       },
       smoothNormal: (hit) => hit.normal,
     };
-    const aim = aimOf(BALL, { leanMaxRad: LEAN_MAX_RAD });
+    const aim = aimOf(BALL, { axis: 'surface' });
     let before = aim.begin(roof, down(-6, 0))!;
     for (let x = -5.9; x < 6; x += 0.1) {
       const pose = aim.move(roof, down(x, 0))!;
@@ -233,8 +271,8 @@ describe('aim', () => {
     const ray: Ray = { origin: [50, 0, 50], direction: unitOf([-1, 0, -1]) };
     for (const mode of ['surface', 'plane'] as const)
       for (const tool of TOOLS)
-        for (const leanMaxRad of [0, LEAN_MAX_RAD]) {
-          const aim = aimOf(tool, { mode, leanMaxRad });
+        for (const axis of ['vertical', 'surface'] as const) {
+          const aim = aimOf(tool, { mode, axis });
           const { pieces, body } = toolProfile(tool);
           for (const pose of [aim.hover(slope(normal), ray)!, aim.begin(slope(normal), ray)!]) {
             const { tip, axis } = aim.lifted(pose);

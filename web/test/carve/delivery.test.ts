@@ -58,6 +58,7 @@ describe('delivery', () => {
     path.push(pose(0, 0), true);
     path.push(pose(100, 0), true);
     path.push(pose(100, 5), false);
+    path.endGesture();
   }
 
   function ends(): string[] {

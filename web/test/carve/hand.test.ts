@@ -198,19 +198,42 @@ describe('hand', () => {
     for (const { tip_mm } of cutting) expect(tip_mm[2]).toBeCloseTo(-2.5);
   });
 
-  it('leans as the pen does, where it may lean', () => {
+  it('leans as the pen does, if that is chosen', () => {
     const pen = (x: number): Place => at(x, 0, 1, [0.3, 0.4]);
-    for (const leanMaxRad of [0, 1]) {
-      hand.settings.leanMaxRad = leanMaxRad;
+    for (const axis of ['vertical', 'surface', 'pen'] as const) {
+      hand.settings.axis = axis;
       hand.begin(pen(-6), 1);
       hand.move([pen(6)], 1);
       hand.end(1);
       const cutting = samples().filter(({ buttons }) => buttons !== 0);
       expect(cutting.length).toBeGreaterThan(1);
-      const expected = leanMaxRad === 0 ? [0, 0, 1] : [0.3, -0.4, Math.sqrt(0.75)];
-      for (const { axis } of cutting)
-        for (let i = 0; i < 3; ++i) expect(axis[i]).toBeCloseTo(expected[i]!);
+      const expected = axis === 'pen' ? [0.3, -0.4, Math.sqrt(0.75)] : [0, 0, 1];
+      for (const sample of cutting)
+        for (let i = 0; i < 3; ++i) expect(sample.axis[i]).toBeCloseTo(expected[i]!);
     }
+  });
+
+  it('is lifted over a gap of the surface', () => {
+    const height = (x: number): number => (x < 2 ? -2 : -11);
+    for (let n = 0; n < 5; n += 1)
+      for (let m = 0; m < 5; m += 1) tiles.set(tileOf(n, m, height), n, m, SIDE);
+    // Between 1 and 2 the tiles have a slope of 84°, seen from above; from aside it hides the floor.
+    eye.x = -600;
+    hand.begin(at(-6), 1);
+    hand.move([at(0), at(14)], 1);
+    hand.end(1);
+    const all = samples();
+    const clear = all.filter(({ buttons }) => buttons === 0);
+    expect(clear.length).toBe(3); // there, over the gap, and away
+    const cutting = all.filter(({ buttons }) => buttons !== 0);
+    expect(cutting[0]!.tip_mm[2]).toBeCloseTo(-3);
+    expect(cutting.at(-1)!.tip_mm[2]).toBeCloseTo(-12);
+    cutting.slice(1).forEach((sample, n) => {
+      const before = cutting[n]!;
+      const falls = before.tip_mm[2] - sample.tip_mm[2];
+      const isNext = all.indexOf(sample) === all.indexOf(before) + 1;
+      if (isNext) expect(falls).toBeLessThan(6);
+    });
   });
 
   it('is drawn at the pointer, and cuts up to there when the pointer rests', () => {
@@ -296,6 +319,7 @@ describe('hand', () => {
     overhang.geometry!.setIndex([...overhang.geometry!.index!.array].reverse());
     tiles.set(overhang, 2, 2, SIDE);
     eye.z = -500;
+    hand.settings.axis = 'vertical';
     expect(hand.begin(at(0), 1)).toContain('reach this spot');
     expect(hand.begin(at(90), 1)).toBe('');
     expect(hand.isCutting).toBe(false);

@@ -2,7 +2,9 @@
 import { describe, expect, it } from 'vitest';
 import { SampleLog } from '../../src/carve/sample_log';
 import type { Draft } from '../../src/carve/sample_log';
+import { imagesOf } from '../../src/carve/mirror';
 import { Sampler } from '../../src/carve/sampler';
+import { angleBetween } from '../../src/carve/tool/vectors';
 import { distance } from '../../src/model/vector';
 import { BUTTON_CUTTING } from '../../src/wire/types';
 import type { Vec3 } from '../../src/wire/types';
@@ -89,6 +91,97 @@ describe('sampler', () => {
     expect(samples.length).toBeGreaterThan(900);
     expect(samples.length).toBeLessThan(1250);
     check(samples, 5000);
+  });
+
+  it('gives a turn of the axis its time, and divides it below the limit of the kernel', () => {
+    const sampler = placed({ speedMmPerS: 5000, samplesPerS: 1250 });
+    sampler.push(at(0), true);
+    drain(sampler, 1008);
+    sampler.push({ tip: [0, 0, 0], axis: [0, 0.01, -Math.sqrt(1 - 1e-4)] }, true);
+    const samples = drain(sampler, 1108);
+    let before = UP;
+    for (const { axis } of samples) {
+      expect(angleBetween(before, axis)).toBeLessThan((170 * Math.PI) / 180);
+      before = axis;
+    }
+    expect(before[2]).toBeLessThan(-0.99);
+    // 3.1 rad at 40 mm from the tip, with 1 m/s.
+    expect(Number(samples.at(-1)!.time_us - samples[0]!.time_us)).toBeGreaterThan(20_000);
+    expect(samples.length).toBeGreaterThan(2);
+  });
+
+  it('undoes and redoes a gesture of several strokes as a whole', () => {
+    const sampler = placed();
+    for (const x of [0, 10]) {
+      sampler.push(at(x, 0, 5), false);
+      sampler.push(at(x), true);
+      sampler.push(at(x + 1), true);
+    }
+    sampler.push(at(11, 0, 5), false);
+    sampler.endGesture();
+    drain(sampler, 1008);
+    expect(sampler.undo()).toBe(false);
+    expect(sampler.takeRequests()).toEqual([{ type: 'undo' }, { type: 'undo' }]);
+    sampler.redo();
+    expect(sampler.takeRequests()).toEqual([{ type: 'redo' }, { type: 'redo' }]);
+    sampler.undo();
+    sampler.undo(); // an earlier one, of which the page knows nothing
+    expect(sampler.takeRequests()).toHaveLength(3);
+  });
+
+  it('takes a gesture back that only waits, without the server', () => {
+    const sampler = placed();
+    sampler.push(at(0), true);
+    sampler.push(at(0, 0, 5), false);
+    sampler.push(at(9, 0, 5), false);
+    sampler.push(at(9), true);
+    sampler.push(at(9, 0, 5), false);
+    sampler.endGesture();
+    expect(sampler.undo()).toBe(true);
+    expect(drain(sampler, 1008).filter(cuts)).toEqual([]);
+    expect(sampler.redo()).toBe(true);
+    expect(drain(sampler, 2008).filter(cuts).length).toBeGreaterThan(0);
+  });
+
+  it('repeats a gesture in the mirror, sample by sample as it was sent', () => {
+    for (const mirror of ['x', 'y', 'z', 3] as const) {
+      const sampler = placed({ speedMmPerS: 400, samplesPerS: 1250 });
+      const images = imagesOf(mirror, [5, -3.25, 2]);
+      sampler.images = images;
+      sampler.push(at(1, 0, 5), false);
+      for (const x of [1, 1.5, 60, 61]) sampler.push(at(x, x / 3, -1), true);
+      sampler.push(at(61, 0, 5), false);
+      sampler.endGesture();
+      sampler.push(at(70, 0, 5), false);
+      const samples: Draft[] = [];
+      for (let ms = 1008; ms < 4000; ms += 8) {
+        samples.push(...sampler.take(ms * 1000));
+        expect(sampler.takeRequests()).toEqual([]);
+      }
+      check(samples, 400);
+      const strokes: Draft[][] = [];
+      samples.forEach((sample, n) => {
+        if (!cuts(sample)) return;
+        const before = samples[n - 1]!;
+        if (!cuts(before)) strokes.push([before]);
+        const isRest = distance(before.tip_mm, sample.tip_mm) === 0;
+        if (!isRest) strokes.at(-1)!.push(sample);
+      });
+      expect(strokes).toHaveLength(1 + images.length);
+      const [drawn, ...others] = strokes as [Draft[], ...Draft[][]];
+      expect(drawn.length).toBeGreaterThan(10); // the jump was divided
+      others.forEach((stroke, n) => {
+        expect(stroke).toHaveLength(drawn.length);
+        stroke.forEach(({ tip_mm, axis }, m) => {
+          const { tip_mm: tip, axis: from } = drawn[m]!;
+          const expected = images[n]!({ tip, axis: from });
+          for (let i = 0; i < 3; i += 1) expect(tip_mm[i]).toBeCloseTo(expected.tip[i]!, 6);
+          expect(axis).toEqual(expected.axis);
+        });
+      });
+      sampler.undo();
+      expect(sampler.takeRequests()).toHaveLength(1 + images.length);
+    }
   });
 
   it('sends a tool that rests in the cut, and none that rests in the air', () => {

@@ -46,7 +46,7 @@ describe('a block of 4,194,304 columns', () => {
   const surface = new Surface(displayed.pieces);
   const profile = toolProfile({ id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 });
   const bounds = { min: [0, 0, -30] as Vec3, max: [205, 205, 0] as Vec3 };
-  const aim = new Aim(profile, bounds, { mode: 'surface', depthMm: 1, leanMaxRad: 0.7 });
+  const aim = new Aim(profile, bounds, { mode: 'surface', depthMm: 1, axis: 'surface' });
   let n = 0;
   /** From the default camera to places of the block, one after another. */
   const next = (): Ray => {

@@ -11,15 +11,29 @@ export interface Pose {
   axis: Vec3;
 }
 
+/** The pose of the same tool in a mirror, or turned. */
+export type Image = (pose: Pose) => Pose;
+
 export interface Waiting {
   pose: Pose;
   /** On the path there. */
   cuts: boolean;
   tool: number;
+  /** Its motion is repeated in images: it is recorded, as it is sent. */
+  isRepeated?: boolean;
+  /** Its motion is an image, which is not divided. */
+  isImage?: boolean;
+}
+
+/** The newest `strokes` that were recorded are repeated by each image. */
+export interface Repeat {
+  type: 'repeat';
+  strokes: number;
+  images: readonly Image[];
 }
 
 export type PathRequest = Exclude<AgentRequest, AgentHello | { type: 'stock' }>;
-type Item = Waiting | PathRequest;
+type Item = Waiting | PathRequest | Repeat;
 
 function isPose(item: Item | null | undefined): item is Waiting {
   return item !== null && item !== undefined && !('type' in item);
@@ -50,10 +64,23 @@ export class PathQueue {
     return this.next && (this.items_.shift() as Waiting);
   }
 
-  /** Removes and returns the requests before the next pose. */
+  /** Removes and returns the requests before the next pose or repeat. */
   takeRequests(): PathRequest[] {
-    const end = this.items_.findIndex(isPose);
+    const end = this.items_.findIndex((item) => isPose(item) || item.type === 'repeat');
     return this.items_.splice(0, end < 0 ? this.items_.length : end) as PathRequest[];
+  }
+
+  /** Removes a repeat that comes next. */
+  takeRepeat(): Repeat | null {
+    const [first] = this.items_;
+    if (!first || isPose(first) || first.type !== 'repeat') return null;
+    this.items_.shift();
+    return first;
+  }
+
+  /** Puts poses before all others. */
+  putFirst(poses: readonly Waiting[]): void {
+    this.items_.unshift(...poses);
   }
 
   push(pose: Waiting): void {
@@ -61,7 +88,7 @@ export class PathQueue {
     this.put_(pose);
   }
 
-  ask(request: PathRequest): void {
+  ask(request: PathRequest | Repeat): void {
     const last = this.items_.at(-1);
     const isReplaced = request.type === 'tool' && last && !isPose(last) && last.type === 'tool';
     if (isReplaced) this.items_.pop();
