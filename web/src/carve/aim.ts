@@ -39,6 +39,8 @@ export interface Probed {
   /** The first place where a ray enters the block, within `reach` mm; null if it does not. */
   hit(ray: Ray, reach?: number): Hit | null;
   smoothNormal(hit: Hit, around: readonly Vec3[], radius: number): Vec3;
+  /** The part around a point, where rays are faster. */
+  near?(point: Vec3, radius: number): Pick<Probed, 'hit'>;
 }
 
 const UP: Vec3 = [0, 0, 1];
@@ -204,6 +206,7 @@ export class Aim {
     radii: number,
   ): Vec3[] {
     const { axis: choice } = this.settings;
+    this.touches_ = false;
     if (choice === 'vertical') return [UP];
     const across = this.clearAxis_(surface, point, normal);
     const wanted = choice === 'pen' && pen ? [pen, across] : [across];
@@ -219,11 +222,12 @@ export class Aim {
   private clearAxis_(surface: Probed, point: Vec3, normal: Vec3): Vec3 {
     const { profile } = this;
     const { depthMm } = this.settings;
+    const reach = Math.max(profile.lengthMm, profile.body.topMm) + 2 * profile.radiusMm;
+    const near = surface.near?.(point, reach) ?? surface;
     const isClear = (axis: Vec3): boolean => {
       const tip = tipOn(point, normal, axis, depthMm, profile);
-      return tip !== null && !meetsAbove(surface, { tip, axis }, profile, depthMm);
+      return tip !== null && !meetsAbove(near, { tip, axis }, profile, depthMm);
     };
-    this.touches_ = false;
     if (isClear(normal)) return normal;
     const kept = angleBetween(this.axis_, normal) < LEAN_MAX_RAD ? [this.axis_] : [];
     for (const axis of [...kept, ...leaningFrom(normal)]) if (isClear(axis)) return axis;

@@ -15,6 +15,8 @@ import { useCovering } from '../ui/shell';
 import type { Shell } from '../ui/shell';
 import { commonScale, silhouette } from '../ui/silhouette';
 import type { Notes } from './notes';
+import { StrokeChoicesView } from './stroke_choices';
+import type { StrokeChoices } from './stroke_choices';
 import type { ToolSettings } from './tool_settings';
 
 const MODES: readonly [AimMode, string, string][] = [
@@ -141,6 +143,7 @@ function Depth({ settings }: { settings: ToolSettings }) {
 export interface BarProps {
   shell: Shell;
   settings: ToolSettings;
+  choices: StrokeChoices;
   notes: Notes;
   /** A 3D mouse; null: the browser can have none. */
   spaceMouse: { isThere: ReadonlySignal<boolean>; choose: () => void } | null;
@@ -149,7 +152,7 @@ export interface BarProps {
   done: () => void;
 }
 
-function Controls({ settings, spaceMouse, undo, redo, done }: BarProps) {
+function Controls({ settings, choices, spaceMouse, undo, redo, done }: BarProps) {
   const { value: mode } = settings.mode;
   const { value: drag } = settings.drag;
   const { value: axis } = settings.axis;
@@ -177,6 +180,7 @@ function Controls({ settings, spaceMouse, undo, redo, done }: BarProps) {
         isPressed={drag !== 'off'}
         press={() => settings.nextDrag()}
       />
+      <StrokeChoicesView choices={choices} />
       <Depth settings={settings} />
       <Press
         label={t('Undo')}

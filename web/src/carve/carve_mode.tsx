@@ -31,6 +31,7 @@ import { diagonalOf, overBlock } from './devices/start';
 import { Settling } from './settling';
 import { Spring } from './spring';
 import type { Stretch } from './spring';
+import { StrokeChoices } from './stroke_choices';
 import { ToolSettings } from './tool_settings';
 import type { Wielded } from './tool/wielded';
 
@@ -54,6 +55,7 @@ export class CarveMode {
   private readonly spaceMouse_ = new SpaceMouse();
   private readonly devices_: Devices;
   private readonly settings_: ToolSettings;
+  private readonly choices_: StrokeChoices;
   private pointers_: Pointers | null = null;
   private inHand_ = false; // the device is touched: it vibrates
   private stopKeys_: () => void = () => undefined;
@@ -70,6 +72,7 @@ export class CarveMode {
       color: () => this.who_().color,
       changes: () => this.stopStroke_(),
     });
+    this.choices_ = new StrokeChoices(this.hand_, () => this.stopStroke_());
     this.copy_ = host.linkHere ? null : this.makeCopy_();
     this.link_ = this.makeLink_();
     this.settling_ = this.copy_ && new Settling(this.copy_, viewer.local);
@@ -99,6 +102,7 @@ export class CarveMode {
     this.host.oneOpen.opens(this.close_); // a section would hide the cut
     this.host.shell.isCarving.value = true;
     this.settings_.prepare(welcome);
+    this.hand_.showsMirror = true;
     this.pointers_ = this.takePointers_();
     this.stopKeys_ = this.takeKeys_();
     const { mouseButtons } = this.viewer.rig.controls;
@@ -177,6 +181,7 @@ export class CarveMode {
       <CarveBar
         shell={this.host.shell}
         settings={this.settings_}
+        choices={this.choices_}
         notes={this.notes_}
         spaceMouse={
           mouse.canBe
@@ -257,6 +262,7 @@ export class CarveMode {
       nextTool: (step) => this.settings_.nextTool(step),
       togglePlane: () => this.settings_.togglePlane(),
       nextAxis: () => this.settings_.nextAxis(),
+      ...this.choices_.keys,
       nextDrag: () => this.settings_.nextDrag(),
       space: (held) => {
         if (this.pointers_) this.pointers_.spaceHeld = held;
@@ -331,7 +337,7 @@ export class CarveMode {
     this.settling_?.step(state, this.link_.isAsking, now);
     this.hand_.settle(this.settings_.depthMm, now);
     this.hand_.pull(this.gauge_.share, now);
-    this.stretch_.value = this.hand_.isCutting ? this.hand_.drag.stretch : null;
+    this.stretch_.value = this.hand_.isCutting ? this.hand_.stretch : null;
     if (!this.viewer.eyeElsewhere) this.devices_.tick(now);
     this.gauge_.update(this.viewer.arrowScale.forceFullN, now);
     if (this.isJoined_()) this.notes_.showLater(helpText(), now);

@@ -4,7 +4,7 @@
 import { t } from '../strings';
 import { stockBounds } from '../model/session';
 import { toolProfile } from '../model/tool_profile';
-import { ToolView } from '../view/tool_view';
+import { GhostTool } from '../view/ghost_tool';
 import type { Viewer } from '../view/viewer';
 import type { ToolInfo, Welcome } from '../wire/types';
 import { Aim } from './aim';
@@ -12,9 +12,12 @@ import type { AimSettings, Sight } from './aim';
 import { Drag } from './drag';
 import type { DragStep } from './drag';
 import type { Pose } from './tool/path_queue';
+import { Images } from './images';
+import type { Mirror } from './mirror';
 import { between, PointerPath } from './pointer_path';
 import type { Place } from './place';
 import { Sampler } from './sampler';
+import { Steady } from './steady';
 import { Surface } from './surface';
 
 const RESTS_MS = 40; // a pointer from which nothing comes for so long
@@ -38,8 +41,11 @@ export class Hand {
   readonly sampler = new Sampler(0);
   /** By which it follows the pointer in a stroke. */
   readonly drag = new Drag();
+  /** By which the pointer leads it in a stroke. */
+  readonly steady = new Steady();
   private aim_: Aim | null = null;
-  private tool_: ToolView | null = null;
+  private tool_: GhostTool | null = null;
+  private readonly images_: Images;
   private surface_: { changes: number; surface: Surface } | null = null;
   /** While it lasts: the surface as it was when it began. */
   private stroke_: Stroke | null = null;
@@ -55,7 +61,24 @@ export class Hand {
   constructor(
     private readonly viewer: Viewer,
     private readonly moved: (place: Place | null) => void,
-  ) {}
+  ) {
+    this.images_ = new Images(viewer);
+  }
+
+  /** The symmetry of its strokes. A stroke must have ended. */
+  get mirror(): Mirror {
+    return this.images_.mirror;
+  }
+
+  set mirror(mirror: Mirror) {
+    this.images_.mirror = mirror;
+    this.sampler.images = this.images_.images;
+  }
+
+  /** Whether the plane or the axis of the symmetry is shown. */
+  set showsMirror(shows: boolean) {
+    this.images_.isShown = shows;
+  }
 
   /** Takes a tool of the session. A stroke must have ended; it is sent with its own tool. */
   takeTool(tool: ToolInfo, color: string, welcome: Welcome): void {
@@ -63,9 +86,10 @@ export class Hand {
     this.sampler.tool = tool.id;
     this.hide();
     this.tool_?.dispose();
-    this.tool_ = new ToolView(tool, color, welcome.pivot_mm);
-    this.tool_.group.visible = false;
+    this.tool_ = new GhostTool(tool, color, false);
     this.viewer.stage.scene.add(this.tool_.group);
+    this.images_.takeTool(tool, color, welcome);
+    this.sampler.images = this.images_.images;
   }
 
   get isCutting(): boolean {
@@ -99,6 +123,7 @@ export class Hand {
     const now = performance.now();
     this.stroke_ = { surface, path: new PointerPath(place), movedMs: now, at: place };
     this.drag.begin({ place, pose }, now);
+    this.steady.begin(place);
     this.sampler.push(this.aim_.lifted(pose), false);
     this.cutTo_({ place, pose });
     return '';
@@ -116,9 +141,11 @@ export class Hand {
    */
   move(places: readonly Place[], depthMm: number): void {
     const { stroke_: stroke, aim_: aim } = this;
-    const newest = places.at(-1);
-    if (!stroke || !aim || !newest) return;
-    for (const place of places) this.follow_(stroke.path.to(place), depthMm);
+    if (!stroke || !aim) return;
+    const led = this.steady.follow(places);
+    const newest = led.at(-1);
+    if (!newest) return;
+    for (const place of led) this.follow_(stroke.path.to(place), depthMm);
     stroke.movedMs = performance.now();
     if (!this.keepUp_()) return;
     const pose = aim.peek(stroke.surface, this.ray_(newest));
@@ -138,7 +165,13 @@ export class Hand {
     if (this.stroke_) this.goOn_(this.drag.follow(share, nowMs));
   }
 
-  /** Lifts the tool, at the pointer. */
+  /** Between the tool and the pointer that leads it; null: it is at the pointer. */
+  get stretch(): readonly [Place, Place] | null {
+    const [lag, string] = [this.drag.stretch, this.steady.stretch];
+    return lag && string ? [lag[0], string[1]] : (lag ?? string);
+  }
+
+  /** Lifts the tool, at the pointer or where its string leads it. */
   end(depthMm: number): void {
     if (this.stroke_) this.follow_(this.stroke_.path.end(), depthMm);
     this.goOn_(this.drag.end());
@@ -146,6 +179,7 @@ export class Hand {
       this.sampler.push(this.aim_.lifted(this.last_.pose), false);
     }
     this.sampler.endGesture();
+    this.steady.end();
     this.stroke_ = null;
     this.aim_?.end();
     this.settings.mode = this.modeBefore_ ?? this.settings.mode;
@@ -183,6 +217,7 @@ export class Hand {
     this.moved(null);
     if (!this.tool_?.group.visible) return;
     this.tool_.group.visible = false;
+    this.images_.hide();
     this.viewer.touchAll();
   }
 
@@ -190,6 +225,7 @@ export class Hand {
   rest(): void {
     this.lift();
     this.hide();
+    this.showsMirror = false;
     this.surface_ = null;
     this.viewer.displayed.forget();
   }
@@ -267,6 +303,8 @@ export class Hand {
     if (!this.tool_) return;
     this.tool_.setPose(pose.tip, pose.axis);
     this.tool_.group.visible = true;
+    this.tool_.meets = this.last_ !== null && this.aim_?.touches === true;
+    this.images_.place(pose);
     this.viewer.touchAll();
   }
 }

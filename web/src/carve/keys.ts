@@ -9,6 +9,8 @@ export interface CarveKeyActions {
   nextTool: (step: 1 | -1) => void;
   togglePlane: () => void;
   nextAxis: () => void;
+  nextMirror: () => void;
+  nextString: () => void;
   nextDrag: () => void;
   space: (held: boolean) => void;
 }
@@ -31,6 +33,10 @@ function actionOf(event: KeyboardEvent, actions: CarveKeyActions): (() => void) 
       return actions.togglePlane;
     case 'l':
       return actions.nextAxis;
+    case 'm':
+      return actions.nextMirror;
+    case 's':
+      return actions.nextString;
     case 'd':
       return actions.nextDrag;
     default:

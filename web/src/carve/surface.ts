@@ -54,7 +54,7 @@ export class Surface {
    * has their directions, in the surface's plane; each is probed from `radius` above.
    */
   smoothNormal({ point, normal }: Hit, around: readonly Vec3[], radius: number): Vec3 {
-    const near = this.near_(point, 3 * radius);
+    const near = this.near(point, 3 * radius);
     const direction = scaled(normal, -1);
     let sum = normal;
     for (const offset of around) {
@@ -65,7 +65,8 @@ export class Surface {
     return unitOf(sum);
   }
 
-  private near_(point: Vec3, radius: number): Surface {
+  /** The pieces around a point, whose rays are faster. */
+  near(point: Vec3, radius: number): Surface {
     return new Surface(
       this.pieces_.filter((_, n) => {
         for (let i = 0; i < 3; ++i) {

@@ -7,7 +7,7 @@ import * as THREE from 'three';
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import { toolProfile } from '../model/tool_profile';
 import type { OutlinePoint, ToolProfile } from '../model/tool_profile';
-import type { ToolInfo } from '../wire/types';
+import type { ToolInfo, Vec3 } from '../wire/types';
 import { mirrorAmbient } from './ambient_light';
 
 type Drawable = THREE.Object3D & { geometry: THREE.BufferGeometry; material: THREE.Material };
@@ -15,7 +15,8 @@ type Drawable = THREE.Object3D & { geometry: THREE.BufferGeometry; material: THR
 const ROUND_SEGMENTS = 48;
 const UP = new THREE.Vector3(0, 0, 1);
 
-function lathe(pieces: OutlinePoint[][]): THREE.BufferGeometry {
+/** The surface of revolution of a tool's outline. */
+export function lathe(pieces: OutlinePoint[][]): THREE.BufferGeometry {
   const parts = pieces.map(
     (piece) =>
       new THREE.LatheGeometry(
@@ -26,6 +27,14 @@ function lathe(pieces: OutlinePoint[][]): THREE.BufferGeometry {
   const merged = mergeGeometries(parts);
   for (const part of parts) part.dispose();
   return merged.rotateX(Math.PI / 2); // LatheGeometry turns about Y
+}
+
+const axisOf = new THREE.Vector3();
+
+/** Puts an object with its origin at a tool's tip and its +Z along the tool's axis. */
+export function setPose(object: THREE.Object3D, tip: Readonly<Vec3>, axis: Readonly<Vec3>): void {
+  object.position.set(...tip);
+  object.quaternion.setFromUnitVectors(UP, axisOf.set(...axis));
 }
 
 function cylinder(radius: number, z0: number, z1: number): OutlinePoint[][] {
@@ -50,7 +59,6 @@ export class ToolView {
   profile: ToolProfile;
   /** Height of the handle's top above the tip, mm; the name is above it. */
   readonly topMm: number;
-  private readonly axis_ = new THREE.Vector3();
 
   /** Height of the handle's top of a tool that is drawn, mm. */
   static topMm(tool: ToolInfo, pivotMm: number): number {
@@ -114,8 +122,7 @@ export class ToolView {
   }
 
   setPose(tip: readonly [number, number, number], axis: readonly [number, number, number]): void {
-    this.group.position.set(...tip);
-    this.group.quaternion.setFromUnitVectors(UP, this.axis_.set(...axis));
+    setPose(this.group, tip, axis);
   }
 
   dispose(): void {
