@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-import { brotliCompressSync, constants, gzipSync } from 'node:zlib';
-import { existsSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
-import { join } from 'node:path';
 import type { HtmlTagDescriptor, Plugin } from 'vite';
 import { defineConfig } from 'vitest/config';
+import { compress } from './bundle/compress';
+import { hasModule, willHaveModule } from './bundle/modules';
 import { manual } from './manual/render';
 
 // In development Vite serves the page and forwards /v1 to a running kerf-server (or to `npm run
@@ -31,45 +30,16 @@ function preloadView(): Plugin {
   };
 }
 
-/** Puts FILE.gz and FILE.br beside each file that shrinks, which the server sends to those who ask. */
-function compress(): Plugin {
-  let folder = '';
-  return {
-    name: 'compress',
-    apply: 'build',
-    configResolved: ({ root, build }) => {
-      folder = join(root, build.outDir);
-    },
-    closeBundle: () => {
-      for (const name of readdirSync(folder, { recursive: true, encoding: 'utf8' })) {
-        if (!/\.(js|css|html|svg|wasm)$/.test(name)) continue;
-        const file = join(folder, name);
-        const bytes = readFileSync(file);
-        writeFileSync(`${file}.gz`, gzipSync(bytes, { level: 9 }));
-        const params = {
-          [constants.BROTLI_PARAM_QUALITY]: 11,
-          [constants.BROTLI_PARAM_SIZE_HINT]: bytes.length,
-        };
-        writeFileSync(`${file}.br`, brotliCompressSync(bytes, { params }));
-      }
-    },
-  };
-}
-
-/** Whether a module of web/wasm is there, or run.sh builds it while the page is already served. */
-function hasModule(name: string): string {
-  const isThere = existsSync(join(import.meta.dirname, 'public', name));
-  return JSON.stringify(isThere || process.env['KERF_WASM'] === 'later');
-}
-
 export default defineConfig({
   base: './',
   define: {
-    KERF_HAS_KERNEL: hasModule('kerf.wasm'),
-    KERF_HAS_FILES: hasModule('kerf_files.wasm'),
+    KERF_HAS_KERNEL: willHaveModule('kerf.wasm'),
+    KERF_HAS_FILES: willHaveModule('kerf_files.wasm'),
+    KERF_IS_SINGLE: false,
+    KERF_HAS_SINGLE: hasModule('kerf_files.wasm'), // which is in it
   },
   json: { namedExports: false },
-  plugins: [preloadView(), manual(), compress()],
+  plugins: [preloadView(), manual(), compress(/\.(js|css|html|svg|wasm|webmanifest)$/)],
   build: {
     target: 'es2022',
     chunkSizeWarningLimit: 900,

@@ -26,6 +26,9 @@ import { NameField } from './name_field';
 import type { About, GivenFiles, Progress, TakeHomeFormat } from './program_block';
 import type { LocalState } from './state';
 
+/** Whether the build has made the page also as one file (vite.single.config.ts). */
+declare const KERF_HAS_SINGLE: boolean;
+
 /** The files that can be removed one by one. */
 export type FileKind = 'program' | 'scene' | 'stock' | 'journal';
 
@@ -273,6 +276,11 @@ export function SidePanel(props: SidePanelProps) {
       <div class="preferences">
         <LanguageChoice />
         <CapMouseChoice host={capMouse} />
+        {KERF_HAS_SINGLE && (
+          <a class="quiet-action" href="./kerf-single.html" download="kerf.html">
+            {t('Save this page as one file')}
+          </a>
+        )}
       </div>
     </PanelFrame>
   );

@@ -8,6 +8,9 @@ import type { ButtonAction } from './actions';
 import { Dialog } from './dialog';
 import { ICONS } from './icons';
 
+/** Whether the page is one file, without the manual (vite.single.config.ts). */
+declare const KERF_IS_SINGLE: boolean;
+
 const KEYS: readonly [string, string][] = [
   ['F', t('Show the whole block')],
   ['0', t('Three-quarter view')],
@@ -85,9 +88,11 @@ export function Help({ isOpen }: { isOpen: Signal<boolean> }) {
       <h2>{t('While you carve')}</h2>
       <Table rows={CARVING} />
       <form method="dialog" class="help-end">
-        <a href="manual/index.html" target="_blank">
-          {t('Open the manual')}
-        </a>
+        {!KERF_IS_SINGLE && (
+          <a href="manual/index.html" target="_blank">
+            {t('Open the manual')}
+          </a>
+        )}
         <button class="button">{t('Close')}</button>
       </form>
     </Dialog>

@@ -73,7 +73,7 @@ describe('the panel of the page without a server', () => {
       return document.body.textContent;
     };
     const mouse = (): HTMLElement | null =>
-      document.querySelector<HTMLElement>('.preferences .quiet-action');
+      document.querySelector<HTMLElement>('.preferences button.quiet-action');
     return { state, moves, text, mouse };
   }
 
