@@ -47,8 +47,8 @@ describe('the cards of the lobby', () => {
   const cards = (): Element[] => [...root.querySelectorAll('.card-place')];
   const names = (): string[] => cards().map((one) => one.querySelector('strong')!.textContent);
 
-  it('have the one that changed last first, and move with their elements', () => {
-    update(session('a', 1), session('b', 3), session('c', 2));
+  it('move with their elements', () => {
+    update(session('b', 3), session('c', 2), session('a', 1));
     expect(names()).toEqual(['b', 'c', 'a']);
     const [, , a] = cards();
     update(session('a', 9), session('b', 3), session('c', 2));

@@ -39,17 +39,6 @@ export function isTouched(): boolean {
   return matchMedia('(pointer: coarse)').matches;
 }
 
-/** How to carve with the user's pointing device. */
-export function helpText(): string {
-  return isTouched()
-    ? t(
-        'One finger carves, two rotate and zoom, three pan. Hold for a flat plane. Tap with two to undo.',
-      )
-    : t(
-        'Drag on the block to carve. Shift: straight line. Alt: flat plane. Right-drag rotates, the wheel zooms, Esc exits.',
-      );
-}
-
 interface PressProps {
   label: string;
   title: string;

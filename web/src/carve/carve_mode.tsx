@@ -11,9 +11,10 @@ import type { BlockCopy } from '../kernel/block_copy';
 import { sentence } from '../ui/format';
 import type { Viewer } from '../view/viewer';
 import type { AgentHello } from '../wire/agent_control';
-import { CarveBar, helpText, isTouched } from './carve_bar';
+import { CarveBar, isTouched } from './carve_bar';
 import { linkToServer } from './carve_link';
 import type { AgentLink, CarveLinkEvents, CarveStatus } from './carve_link';
+import { Coaching } from './coaching';
 import { Delivery } from './delivery';
 import { Devices } from './devices/devices';
 import { SpaceMouse } from './devices/space_mouse';
@@ -42,6 +43,7 @@ const TURN_RAD_PER_PX = 0.006;
 
 export class CarveMode {
   private readonly notes_ = new Notes();
+  private readonly coaching_ = new Coaching(isTouched);
   private readonly gauge_ = new Gauge();
   private readonly stretch_ = signal<Stretch | null>(null);
   private readonly hasSpaceMouse_ = signal(false);
@@ -292,6 +294,7 @@ export class CarveMode {
   }
 
   private end_(): void {
+    if (this.hand_.isCutting) this.coaching_.stroked();
     this.hand_.end(this.settings_.depthMm);
     this.delivery_.step();
     if (isTouched()) this.hand_.hide(); // no pointer is left over the picture
@@ -340,7 +343,8 @@ export class CarveMode {
     this.stretch_.value = this.hand_.isCutting ? this.hand_.stretch : null;
     if (!this.viewer.eyeElsewhere) this.devices_.tick(now);
     this.gauge_.update(this.viewer.arrowScale.forceFullN, now);
-    if (this.isJoined_()) this.notes_.showLater(helpText(), now);
+    if (this.settings_.leans.peek()) this.coaching_.leaned();
+    if (this.isJoined_()) this.notes_.showLater(this.coaching_.text, now);
   }
 
   /** Name and color of the watcher: others see one person. */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The action that begins and ends carving. All else of it is a chunk of its own.
 
-import { signal } from '@preact/signals';
+import { effect, signal } from '@preact/signals';
 import type { VNode } from 'preact';
 import { t } from '../strings';
 import type { ButtonAction } from '../ui/actions';
@@ -24,7 +24,7 @@ export class CarvePart {
     this.action = {
       ...{ name: 'carve', label: t('Carve'), key: 'C', icon: ICONS.carve },
       whyNot: () => this.whyNot_(),
-      isPressed: () => host.shell.isCarving.value,
+      isShown: () => !host.shell.isCarving.value,
       perform: () => this.toggle(),
     };
     this.vr = new VrPart(host, {
@@ -57,6 +57,18 @@ export class CarvePart {
     void this.load_().then((loaded) => {
       this.host.begins();
       loaded?.enter();
+    });
+  }
+
+  /** Begins once session and picture are there, if this viewer may. */
+  beginSoon(): void {
+    const { model, picture } = this.host;
+    const stop = effect(() => {
+      if (!model.welcome || picture.viewer === null) return;
+      queueMicrotask(() => {
+        stop();
+        if (!this.isActive && this.whyNot_() === '') this.toggle();
+      });
     });
   }
 

@@ -36,6 +36,8 @@ export class LocalHand {
   private people_: readonly ParticipantInfo[] = [];
   private own_: ParticipantInfo | null = null; // once it has carved this block
   private isSaved_ = true;
+  /** Whether the block has strokes that only the browser has kept. */
+  private isRestored_ = false;
   private timer_: ReturnType<typeof setTimeout> | undefined;
   private keepTimer_: ReturnType<typeof setTimeout> | undefined;
   /** Handlers of the worker's answers, in the order of the requests. */
@@ -71,7 +73,7 @@ export class LocalHand {
   /** Whether another block may take the place of this one: strokes that are in no file would go. */
   mayGo(): boolean {
     const question = t('Unsaved strokes: discard them?');
-    if (this.isSaved_) return true;
+    if (this.isSaved_ && !this.isRestored_) return true;
     const goes = window.confirm(question);
     if (goes) this.forget_();
     return goes;
@@ -93,9 +95,15 @@ export class LocalHand {
     this.people_ = people;
     this.own_ = null;
     this.isSaved_ = true;
+    this.isRestored_ = false;
     clearTimeout(this.keepTimer_);
     this.keepTimer_ = undefined;
     this.asked_ = [];
+  }
+
+  /** The block is made of the strokes that the browser has kept. */
+  restored(): void {
+    this.isRestored_ = true;
   }
 
   /** Writes the file. */
@@ -174,6 +182,7 @@ export class LocalHand {
       }
       download(name, bytes);
       this.isSaved_ = true;
+      this.isRestored_ = false;
       this.forget_();
     } catch (problem) {
       const reason = (problem as Error).message;

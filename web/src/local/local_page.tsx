@@ -4,9 +4,7 @@
 import { batch, signal } from '@preact/signals';
 import { t } from '../strings';
 import { mark } from '../model/marks';
-import type { TileTriangles } from '../kernel/kernel';
 import { SessionModel } from '../model/session';
-import { tileKey } from '../model/tiles';
 import type { Action } from '../ui/actions';
 import { eachFrame } from '../ui/frames';
 import { Help, helpAction } from '../ui/help';
@@ -19,12 +17,15 @@ import { Shell } from '../ui/shell';
 import { Transport } from '../ui/timeline/transport';
 import { cameraKeys, keyActions, viewActions } from '../ui/view_actions';
 import type { CameraRig } from '../view/camera_rig';
+import type { ToolInfo } from '../wire/types';
 import { asWelcome } from './as_welcome';
+import { keptStrokes } from './autosave';
 import { CarvingWorker } from './carving_worker';
 import { downloadModel } from './download';
-import { exampleBlock, exampleProgram } from './example';
+import { downloadAction, DownloadDialog } from './download_dialog';
+import { EXAMPLE_TOOLS, exampleBlock, exampleProgram } from './example';
 import { FilesInput } from './files_input';
-import { placeOfError, withFiles } from './given_files';
+import { placeOfError } from './given_files';
 import { LocalHand } from './hand';
 import { LocalPath } from './local_path';
 import type { FromWorker } from './messages';
@@ -32,12 +33,10 @@ import type { About, GivenFile, GivenFiles } from './program_block';
 import { readGiven } from './read_given';
 import type { ReadGiven } from './read_given';
 import type { SideActions } from './side_panel';
+import { ShownTiles } from './shown_tiles';
 import { LocalState } from './state';
 import { programAs, ToolTrack } from './tool_track';
 import { LocalView } from './view';
-
-/** Of the block that is displayed: the page has no participants whose samples would be newer. */
-const NEWEST = 1n;
 
 export class LocalPage {
   readonly model = new SessionModel();
@@ -61,15 +60,17 @@ export class LocalPage {
   private readonly inspect_: InspectPart;
   private readonly hand_: LocalHand;
   private carvesThen_ = false; // by hand, as soon as the block is displayed
+  private isRestoring_ = false; // the strokes that the browser has kept
   private read_: ReadGiven | null = null;
   private problem_ = '';
-  private readonly triangles_ = new Map<number, number>();
-  private readonly waiting_ = new Map<number, TileTriangles>(); // for the view to open
+  private readonly tiles_: ShownTiles;
+  private readonly isDownloadOpen_ = signal(false);
 
   constructor(app: HTMLElement) {
     const shell = new Shell(app);
     this.shell_ = shell;
     this.picture_ = new Picture(shell.canvas, shell.overlay, this.model, false);
+    this.tiles_ = new ShownTiles(this.picture_);
     shell.resized = (viewport) => this.picture_.resize(viewport);
     this.path_ = new LocalPath(this.picture_, shell, (line) => this.markLine_(line));
     const host = {
@@ -88,7 +89,6 @@ export class LocalPage {
       frame: (nowMs) => this.frame_(nowMs),
     });
     this.show_();
-    this.begin_();
     shell.layoutChanged();
   }
 
@@ -97,30 +97,17 @@ export class LocalPage {
     const [fit, ...sides] = viewActions(picture);
     const { carve } = this.hand_;
     const help = helpAction(this.isHelpOpen_);
-    const buttons = [
-      this.hand_.action,
-      fit!,
-      this.inspect_.action,
-      ...sides,
-      help,
-      carve.vr.action,
-    ];
-    this.listen_([...buttons, ...keyActions(picture)]);
+    const actions = this.sideActions_();
+    const main = [this.hand_.action, downloadAction(state, this.isDownloadOpen_)];
+    const buttons = [fit!, this.inspect_.action, ...sides, help, carve.vr.action];
+    this.listen_([...main, ...buttons, ...keyActions(picture)]);
     shell.show(
       carve.marks(),
       <LocalView
         shell={shell}
         state={state}
+        main={main}
         buttons={buttons}
-        start={{
-          choose: () => this.input_.choose(),
-          example: () => this.take_([exampleProgram()]),
-          goOn: (file) => this.take_([file]),
-          carve: (tools) => {
-            this.take_([exampleBlock(tools)]);
-            this.carvesThen_ = true;
-          },
-        }}
         panel={{
           ...{ shell, state, picture, text: this.text_, transport: this.transport_ },
           path: this.path_.shown,
@@ -130,11 +117,12 @@ export class LocalPage {
             isBusy: () => this.hand_.hasTool,
             say: (text) => this.say_(text),
           },
-          actions: this.sideActions_(),
+          actions,
         }}
       >
         {this.input_.view()}
         <Help isOpen={this.isHelpOpen_} />
+        <DownloadDialog state={state} isOpen={this.isDownloadOpen_} actions={actions} />
         {this.inspect_.view()}
         {carve.bar()}
       </LocalView>,
@@ -144,6 +132,10 @@ export class LocalPage {
   private sideActions_(): SideActions {
     return {
       choose: () => this.input_.choose(),
+      example: () => this.take_([exampleProgram()]),
+      newBlock: (tools) => {
+        if (this.hand_.mayGo()) this.openStarter_(tools);
+      },
       remove: (kind) => {
         if (!this.hand_.mayGo()) return;
         const { files } = this.state_;
@@ -164,14 +156,36 @@ export class LocalPage {
 
   start(): void {
     eachFrame(this.picture_, (nowMs) => this.frame_(nowMs));
+    void this.openFirst_();
+  }
+
+  /** Opens the strokes that the browser has kept, or else a block, and has them carved by hand. */
+  private async openFirst_(): Promise<void> {
+    const kept = await keptStrokes().catch((problem: unknown) => {
+      console.warn(problem); // the browser stores nothing
+      return null;
+    });
+    if (this.state_.status.peek() !== 'empty') return; // the user has given files meanwhile
+    if (!kept) {
+      this.openStarter_(EXAMPLE_TOOLS);
+      return;
+    }
+    this.take_([kept]);
+    this.isRestoring_ = this.carvesThen_ = true;
+  }
+
+  private openStarter_(tools: readonly ToolInfo[]): void {
+    this.state_.giveStarter(exampleBlock(tools));
+    this.begin_();
+    this.carvesThen_ = true;
   }
 
   private frame_(nowMs: number): void {
-    this.showWaiting_();
+    this.tiles_.show();
     this.picture_.tick(nowMs);
     if (!this.carvesThen_ || this.state_.status.peek() !== 'rest' || !this.rig_) return;
     this.carvesThen_ = false;
-    this.hand_.toggle();
+    if (!this.hand_.isActive) this.hand_.toggle();
   }
 
   /** The page's state for tests (hook.ts). */
@@ -182,7 +196,7 @@ export class LocalPage {
       ...{ carved: progress.peek()?.carved ?? 0, isBusy: this.hand_.isBusy },
       motions: about.peek()?.motions ?? 0,
       removedMm3: progress.peek()?.removed_mm3 ?? 0,
-      waiting: this.waiting_.size,
+      waiting: this.tiles_.waiting,
       viewer: this.picture_.viewer,
     };
   }
@@ -211,7 +225,7 @@ export class LocalPage {
 
   private take_(files: readonly GivenFile[]): void {
     if (!this.hand_.mayGo()) return;
-    this.state_.files.value = withFiles(this.state_.files.peek(), files);
+    this.state_.give(files);
     this.begin_();
   }
 
@@ -220,7 +234,7 @@ export class LocalPage {
     const { state_: state, path_: path } = this;
     this.worker_.end();
     this.hand_.reset([]);
-    this.carvesThen_ = false;
+    this.carvesThen_ = this.isRestoring_ = false;
     this.read_ = null;
     this.problem_ = '';
     path.hide();
@@ -230,7 +244,7 @@ export class LocalPage {
       this.text_.show(state.text.peek() ?? '');
       this.text_.follow(true);
     });
-    if (state.status.peek() === 'empty') this.clearPicture_();
+    if (state.status.peek() === 'empty') this.openStarter_(EXAMPLE_TOOLS);
     else void this.open_(state.files.peek());
   }
 
@@ -299,6 +313,7 @@ export class LocalPage {
     const isProgram = about.kernel_version === undefined && about.motions > 0;
     this.model.participants.setList(people);
     this.hand_.reset(isProgram ? [programAs(about.name, 0)] : people);
+    if (this.isRestoring_) this.hand_.restored();
     this.picture_.welcome(welcome);
     mark('welcome');
     document.title = `${about.name} · Kerf`;
@@ -323,16 +338,12 @@ export class LocalPage {
     state.extend(progress.carved);
     const about = state.about.peek();
     if (!about) return;
-    for (const tile of tiles) {
-      const key = tileKey(tile.x, tile.y);
-      this.waiting_.set(key, tile);
-      this.triangles_.set(key, tile.index.length / 3);
-    }
+    this.tiles_.add(tiles);
     batch(() => {
       state.progress.value = progress;
       state.hash.value = hash;
       state.carvingMs.value = carvingMs;
-      state.triangles.value = [...this.triangles_.values()].reduce((sum, one) => sum + one, 0);
+      state.triangles.value = this.tiles_.triangles;
       state.stored.value = this.read_?.compare(progress.carved, hash, about) ?? '';
       state.status.value = hash !== null && rate === 0 ? 'rest' : 'carving';
       this.transport_.rate.value = rate;
@@ -382,18 +393,7 @@ export class LocalPage {
   }
 
   private clearPicture_(): void {
-    this.waiting_.clear();
-    this.triangles_.clear();
+    this.tiles_.clear();
     this.tool_.clear();
-    this.picture_.viewer?.local.clear();
-    this.picture_.viewer?.touchAll();
-  }
-
-  private showWaiting_(): void {
-    const { viewer } = this.picture_;
-    if (!viewer || this.waiting_.size === 0) return;
-    viewer.local.open();
-    viewer.applyCopy([...this.waiting_.values()], NEWEST);
-    this.waiting_.clear();
   }
 }

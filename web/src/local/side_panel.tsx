@@ -3,6 +3,7 @@
 // downloads.
 
 import type { ReadonlySignal } from '@preact/signals';
+import { useMemo } from 'preact/hooks';
 import { t } from '../strings';
 import '../ui/style/programs.css';
 import { CapMouseChoice } from '../carve/devices/cap_mouse';
@@ -21,8 +22,10 @@ import { ProgressBar } from '../ui/progress_bar';
 import type { Shell } from '../ui/shell';
 import { TransportView } from '../ui/timeline/transport';
 import type { Transport } from '../ui/timeline/transport';
+import { ToolRack, ToolRackView } from '../ui/tools/tool_rack';
+import type { ToolInfo } from '../wire/types';
+import { EXAMPLE_TOOLS } from './example';
 import type { ShownPath } from './local_path';
-import { NameField } from './name_field';
 import type { About, GivenFiles, Progress, TakeHomeFormat } from './program_block';
 import type { LocalState } from './state';
 
@@ -34,6 +37,10 @@ export type FileKind = 'program' | 'scene' | 'stock' | 'journal';
 
 export interface SideActions {
   choose: () => void;
+  /** Carves a program that comes with the page. */
+  example: () => void;
+  /** Opens an uncarved block with these tools. */
+  newBlock: (tools: readonly ToolInfo[]) => void;
   remove: (kind: FileKind) => void;
   /** Stops the worker. */
   stop: () => void;
@@ -62,6 +69,20 @@ const KINDS: readonly [FileKind, string][] = [
   ['scene', t('scene')],
   ['stock', t('stock')],
 ];
+
+/** The tools of the next block. */
+function NewBlockTools({ newBlock }: Pick<SideActions, 'newBlock'>) {
+  const rack = useMemo(() => new ToolRack(EXAMPLE_TOOLS), []);
+  return (
+    <details class="start-tools">
+      <summary>{t('Tools for carving by hand')}</summary>
+      <ToolRackView rack={rack} />
+      <button type="button" class="history-button" onClick={() => newBlock(rack.tools)}>
+        {t('New block with these tools')}
+      </button>
+    </details>
+  );
+}
 
 interface FileListProps {
   files: GivenFiles;
@@ -159,39 +180,6 @@ function Program({ state, text, transport, path, actions }: SidePanelProps) {
   );
 }
 
-function Downloads({ state, actions }: Pick<SidePanelProps, 'state' | 'actions'>) {
-  const isDisabled = !state.canSave.value;
-  const hasJournal = state.hasJournal.value;
-  return (
-    <Section title={t('Downloads')}>
-      <div class="history-actions">
-        {(['stl', '3mf'] as const).map((format) => (
-          <button
-            key={format}
-            type="button"
-            class="history-button"
-            disabled={isDisabled}
-            onClick={() => actions.takeHome(format)}
-          >
-            {format.toUpperCase()}
-          </button>
-        ))}
-        <button
-          type="button"
-          class="history-button"
-          title={t('Saves the block with all strokes, to open here or in kerf-server')}
-          disabled={isDisabled}
-          hidden={!hasJournal}
-          onClick={actions.save}
-        >
-          KERF
-        </button>
-      </div>
-      <NameField hidden={!hasJournal} />
-    </Section>
-  );
-}
-
 function Notes({ about }: { about: About | null }) {
   const lines = [...(about?.notes ?? []), ...(about?.warnings ?? [])];
   return (
@@ -245,26 +233,50 @@ function BlockDetails({ state }: { state: LocalState }) {
   );
 }
 
+function FilesSection({ state, actions }: Pick<SidePanelProps, 'state' | 'actions'>) {
+  return (
+    <Section title={t('Files')}>
+      {state.isStarter.value ? (
+        <p class="quiet">
+          {t('Drop an NC program, a model or a KERF file here. Nothing is uploaded.')}
+        </p>
+      ) : (
+        <FileList files={state.files.value} remove={actions.remove} />
+      )}
+      <div class="history-actions files-actions">
+        <button type="button" class="history-button" onClick={actions.choose}>
+          {t('Choose files…')}
+        </button>
+        <button type="button" class="history-button" onClick={actions.example}>
+          {t('Try an example')}
+        </button>
+        <button
+          type="button"
+          class="history-button"
+          onClick={() => actions.newBlock(EXAMPLE_TOOLS)}
+        >
+          {t('New block')}
+        </button>
+      </div>
+      <NewBlockTools newBlock={actions.newBlock} />
+      <p class="program-note bad" role="alert">
+        {state.error.value}
+      </p>
+    </Section>
+  );
+}
+
 export function SidePanel(props: SidePanelProps) {
   const { shell, state, participants, picture, capMouse, actions } = props;
   const { value: progress } = state.progress;
   const [removed, unit] = progress ? volume(progress.removed_mm3) : ['–', ''];
   return (
     <PanelFrame shell={shell} label={t('Details')}>
-      <Section title={t('Files')}>
-        <FileList files={state.files.value} remove={actions.remove} />
-        <button type="button" class="history-button" onClick={actions.choose}>
-          {t('Choose files…')}
-        </button>
-        <p class="program-note bad" role="alert">
-          {state.error.value}
-        </p>
-      </Section>
+      <FilesSection state={state} actions={actions} />
       <Program {...props} />
       <dl class="figures">
         <Figure label={t('Removed')} value={removed} unit={unit} />
       </dl>
-      <Downloads state={state} actions={actions} />
       <Notes about={state.about.value} />
       <Section title={t('Material')}>
         <MaterialChoice picture={picture} participants={participants} />

@@ -2,8 +2,8 @@
 // The state of the page without a server: the files, how far the block is, and its figures.
 
 import { batch, computed, signal } from '@preact/signals';
-import { NO_FILES } from './given_files';
-import type { About, GivenFiles, Progress } from './program_block';
+import { NO_FILES, withFiles } from './given_files';
+import type { About, GivenFile, GivenFiles, Progress } from './program_block';
 
 export type Status = 'empty' | 'reading' | 'carving' | 'rest' | 'failed';
 
@@ -26,6 +26,12 @@ export class LocalState {
   readonly hasJournal = signal(false);
   /** Why files are of no use, or a command was not performed; empty: no reason. */
   readonly error = signal('');
+  /** The scene of the block with which the page opens, which is none of the user's files. */
+  readonly starter = signal<GivenFile | null>(null);
+  readonly isStarter = computed(() => {
+    const { scene } = this.files.value;
+    return scene !== null && scene === this.starter.value;
+  });
   /** The text of the program; null: there is no program. */
   readonly text = computed(() => {
     const { program } = this.files.value;
@@ -34,6 +40,20 @@ export class LocalState {
   readonly isBusy = computed(() => ['reading', 'carving'].includes(this.status.value));
   /** Whether the block can be saved. */
   readonly canSave = computed(() => this.status.value === 'rest' && this.about.value !== null);
+
+  /** Adds the user's files to those that are there. The page's own block gives way to them. */
+  give(files: readonly GivenFile[]): void {
+    const before = this.isStarter.peek() ? NO_FILES : this.files.peek();
+    this.files.value = withFiles(before, files);
+  }
+
+  /** Opens a block of the page in place of all files. */
+  giveStarter(scene: GivenFile): void {
+    batch(() => {
+      this.starter.value = scene;
+      this.files.value = { ...NO_FILES, scene };
+    });
+  }
 
   /** The files are read, and carved from the start. */
   begin(): void {

@@ -3,13 +3,12 @@
 import type { ComponentChildren } from 'preact';
 import { t } from '../strings';
 import type { ButtonAction } from '../ui/actions';
+import { MainActions } from '../ui/main_actions';
 import type { Shell } from '../ui/shell';
 import { Bar } from '../ui/title_bar';
 import { Toolbar } from '../ui/toolbar';
 import { SidePanel } from './side_panel';
 import type { SidePanelProps } from './side_panel';
-import { StartCard } from './start_card';
-import type { StartActions } from './start_card';
 import type { LocalState } from './state';
 
 /** The name of the block, or of the first file. */
@@ -27,21 +26,22 @@ function Title({ state }: { state: LocalState }) {
 interface LocalViewProps {
   shell: Shell;
   state: LocalState;
+  /** With words. */
+  main: readonly ButtonAction[];
   buttons: readonly ButtonAction[];
-  start: StartActions;
   panel: SidePanelProps;
   children: ComponentChildren;
 }
 
 /** The parts around the picture of the page without a server. */
-export function LocalView({ shell, state, buttons, start, panel, children }: LocalViewProps) {
+export function LocalView({ shell, state, main, buttons, panel, children }: LocalViewProps) {
   return (
     <>
       <Bar home={false}>
         <Title state={state} />
       </Bar>
+      <MainActions shell={shell} actions={main} />
       <Toolbar shell={shell} actions={buttons} />
-      <StartCard {...start} hidden={state.status.value !== 'empty'} />
       <SidePanel {...panel} />
       {children}
     </>

@@ -171,6 +171,14 @@ export function freeId(name: string, taken: readonly string[]): string {
   return id;
 }
 
+/** "Relief", or "Relief 2" if that is one of `taken`, in any case. */
+export function freeName(name: string, taken: readonly string[]): string {
+  const known = new Set(taken.map((one) => one.trim().toLocaleLowerCase()));
+  let free = name;
+  for (let n = 2; known.has(free.toLocaleLowerCase()); n += 1) free = `${name} ${n}`;
+  return free;
+}
+
 /** How long ago a time is, from now on: "just now", "5 min ago", "3 days ago". */
 export function ageText(timeMs: number, nowMs: number): string {
   const minutes = Math.floor((nowMs - timeMs) / 60_000);

@@ -12,10 +12,10 @@ import { showFailure } from '../ui/notice';
 import { showSessions } from './session_list';
 import { SessionPage } from './session_page';
 
-/** Removes a parameter from the address of the page. */
-function forgetParameter(parameters: URLSearchParams, name: string): void {
+/** Removes parameters from the address of the page. */
+function forgetParameters(parameters: URLSearchParams, names: readonly string[]): void {
   const kept = new URLSearchParams(parameters);
-  kept.delete(name);
+  for (const name of names) kept.delete(name);
   history.replaceState(null, '', `?${kept}`);
 }
 
@@ -25,9 +25,11 @@ function openSession(app: HTMLElement, session: string, parameters: URLSearchPar
   const fullQuality = parameters.get('quality') === 'full';
   const embedded = parameters.has('embed');
   const plays = parameters.has('play');
-  if (plays) forgetParameter(parameters, 'play'); // not again when the page is loaded again
+  const carves = parameters.has('carve');
+  // Not again when the page is loaded again.
+  if (plays || carves) forgetParameters(parameters, ['play', 'carve']);
   const name = viewerName(parameters);
-  const page = new SessionPage({ app, session, name, fullQuality, embedded, plays });
+  const page = new SessionPage({ app, session, name, fullQuality, embedded, plays, carves });
   installHook(page);
   page.start(frameLimit(parameters));
 }

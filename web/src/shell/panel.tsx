@@ -27,8 +27,6 @@ import type { Picture } from '../ui/picture';
 import { PlotSpot } from '../ui/plot_spot';
 import type { PlotsProps } from '../ui/plots';
 import type { Shell } from '../ui/shell';
-import { TakeHomeButton } from '../ui/take_home/part';
-import type { TakeHomePart } from '../ui/take_home/part';
 import type { TogetherPart } from '../ui/together/part';
 
 const SILENT_MS = 1500; // without a tool state for so long, there is no newest force
@@ -111,7 +109,6 @@ interface PanelProps extends ForcesProps {
   session: string;
   history: History;
   together: TogetherPart;
-  takeHome: TakeHomePart;
   /** The viewer has chosen another name. */
   renamed: (name: string) => void;
   /** The camera that a 3D mouse moves. */
@@ -135,9 +132,6 @@ export function Panel(props: PanelProps) {
       <Forces {...{ model, picture, choice, nowMs }} colors={props.colors} />
       <Section title={t('History')}>
         <HistoryView history={props.history} />
-      </Section>
-      <Section title={t('Downloads')}>
-        <TakeHomeButton part={props.takeHome} />
       </Section>
       <Section title={t('Material')}>
         <MaterialChoice picture={picture} participants={model.participants} />

@@ -26,9 +26,12 @@ import { eachFrame } from '../ui/frames';
 import { Help, helpAction } from '../ui/help';
 import { historyActions } from '../ui/history/actions';
 import { History } from '../ui/history/state';
+import { ICONS } from '../ui/icons';
 import { InspectPart } from '../ui/inspect/part';
 import { InviteDialog } from '../ui/invite';
 import { listenToKeys } from '../ui/keyboard';
+import { MainActions } from '../ui/main_actions';
+import { shareAction } from '../ui/share';
 import { remember } from '../strings/memory';
 import { Failure, Notice } from '../ui/notice';
 import { Flash, noticeText, SESSION_CLOSED } from '../ui/notice_text';
@@ -64,6 +67,8 @@ export interface SessionPageOptions {
   embedded: boolean;
   /** Plays the cuts of the session's first program once it has finished. */
   plays: boolean;
+  /** Begins to carve by hand once there is a picture. */
+  carves: boolean;
 }
 
 export class SessionPage {
@@ -97,7 +102,8 @@ export class SessionPage {
     return noticeText({ model, retryAtMs, contextLost, hasNoPicture, flash }, this.nowMs_.value);
   });
 
-  constructor({ app, session, name, fullQuality, embedded, plays }: SessionPageOptions) {
+  constructor(options: SessionPageOptions) {
+    const { app, session, name, fullQuality, embedded } = options;
     this.session_ = session;
     const shell = new Shell(app, embedded);
     this.shell_ = shell;
@@ -125,7 +131,7 @@ export class SessionPage {
     this.programs_ = new ProgramsPart({ ...host, path: host, replay });
     const seek = (seek: Seek): void => this.past_.seek(seek);
     this.timeline_ = new TimelinePart({ ...host, seek });
-    if (plays) whenFinished(this.model.programs, session, replay);
+    if (options.plays) whenFinished(this.model.programs, session, replay);
     this.inspect_ = new InspectPart({
       ...host,
       showLine: (place) => this.programs_.showLine(place),
@@ -138,9 +144,12 @@ export class SessionPage {
       },
       frame: (nowMs) => this.frame_(nowMs),
     });
+    if (options.carves) this.carve.beginSoon();
     const actions = this.actions_();
-    this.show_(actions.buttons);
-    this.listen_(embedded ? actions.ofPicture : [...actions.buttons, ...actions.keys]);
+    this.show_(actions);
+    this.listen_(
+      embedded ? actions.ofPicture : [...actions.main, ...actions.buttons, ...actions.keys],
+    );
     shell.layoutChanged();
   }
 
@@ -234,7 +243,20 @@ export class SessionPage {
     const views = viewActions(picture);
     const tools = toolActions(picture, model.participants, this.people_);
     const keys = keyActions(picture);
-    const panels = [this.carve, this.programs_, this.inspect_, this.timeline_];
+    const panels = [this.programs_, this.inspect_, this.timeline_];
+    const [undo, redo] = historyActions(this.history_);
+    const main: ButtonAction[] = [
+      this.carve.action,
+      {
+        ...{ ...undo, icon: ICONS.undo },
+        isShown: () => undo.whyNot?.() === '' && !this.shell_.isCarving.value,
+      },
+      shareAction(model, {
+        copy: () => copyText(pageAddress(), () => this.flash_.say(t('Link copied.'))),
+        invite: () => (this.isInviteOpen_.value = true),
+      }),
+      this.takeHome_.action,
+    ];
     const buttons: ButtonAction[] = [
       ...panels.map(({ action }) => action),
       ...views,
@@ -244,13 +266,13 @@ export class SessionPage {
       this.carve.vr.action,
     ];
     return {
-      buttons,
-      keys: [...keys, ...historyActions(this.history_)],
+      ...{ main, buttons },
+      keys: [...keys, undo, redo],
       ofPicture: [...views, ...tools, ...keys, this.sound.action],
     };
   }
 
-  private show_(buttons: readonly ButtonAction[]): void {
+  private show_({ main, buttons }: Record<'main' | 'buttons', readonly ButtonAction[]>): void {
     const { model, picture, session_: session, shell_: shell, nowMs_: nowMs } = this;
     const colors = wrenchColors(matchMedia('(prefers-color-scheme: dark)').matches);
     shell.show(
@@ -260,11 +282,8 @@ export class SessionPage {
       </>,
       <>
         {this.timeline_.border()}
-        <TitleBar
-          {...{ model, session, nowMs }}
-          copyLink={() => copyText(pageAddress(), () => this.flash_.say(t('Link copied.')))}
-          invite={() => (this.isInviteOpen_.value = true)}
-        />
+        <TitleBar {...{ model, session, nowMs }} />
+        <MainActions shell={shell} actions={main} />
         <Toolbar shell={shell} actions={buttons} />
         <ArrowScale {...{ model, picture, colors, nowMs }} />
         <Panel
@@ -272,7 +291,6 @@ export class SessionPage {
           choice={this.people_}
           history={this.history_}
           together={this.together_}
-          takeHome={this.takeHome_}
           renamed={(name) => this.link_.rename(name)}
           capMouse={{
             rig: () => picture.viewer?.rig,

@@ -38,6 +38,7 @@ const CARVING: readonly [string, string][] = [
   [t('Drag, or one finger'), t('Carve')],
   [t('Right drag, Space + drag, or two fingers'), t('Rotate')],
   [t('Middle drag, or three fingers'), t('Pan')],
+  ['Shift · Alt', t('Straight line · flat plane')],
   [t('Ctrl + wheel, or pen pressure'), t('Depth')],
   ['[ · ]', t('Tool')],
   ['P · L', t('Follow the surface or a plane; lean on or off')],

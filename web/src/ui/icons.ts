@@ -50,6 +50,7 @@ export const ICONS = {
   invite: icon(
     '<circle cx="10" cy="8" r="3.5"/><path d="M3.5 20a6.5 6.5 0 0 1 13 0M18.5 7v6M15.5 10h6"/>',
   ),
+  undo: icon('<path d="M8 5L4 9l4 4"/><path d="M4 9h9.500a5.500 5.500 0 0 1 0 11H8"/>'),
   upload: icon('<path d="M12 16V5m0 0l-4 4m4-4l4 4M5 20h14"/>'),
   download: icon('<path d="M12 4v11m0 0l-4-4m4 4l4-4M5 20h14"/>'),
   follow: icon(

@@ -2,7 +2,7 @@
 // The frame of both pages: the canvas of the picture, its overlay, and the parts around them. It holds
 // which parts are open, because some parts give way to others.
 
-import { signal } from '@preact/signals';
+import { signal, useSignal } from '@preact/signals';
 import { render } from 'preact';
 import type { ComponentChildren } from 'preact';
 import { useLayoutEffect, useRef } from 'preact/hooks';
@@ -97,7 +97,23 @@ function namesOf(classes: Record<string, boolean>): string {
     .join(' ');
 }
 
+/** Returns a ref that is true while Tab is what the user has pressed last, of keys and buttons. */
+function useLastInput() {
+  const isByTab = useRef(false);
+  useLayoutEffect(() => {
+    const stop = new AbortController();
+    const options = { capture: true, signal: stop.signal };
+    window.addEventListener('keydown', ({ key }) => (isByTab.current = key === 'Tab'), options);
+    window.addEventListener('pointerdown', () => (isByTab.current = false), options);
+    return () => stop.abort();
+  }, []);
+  return isByTab;
+}
+
 function Frame({ shell, embedded, under, children }: FrameProps) {
+  // Whether the focus came to the picture by Tab: only then is it shown.
+  const isTabbed = useSignal(false);
+  const isByTab = useLastInput();
   const classes = namesOf({
     viewer: true,
     embedded,
@@ -116,7 +132,9 @@ function Frame({ shell, embedded, under, children }: FrameProps) {
           canvas: true,
           aims: shell.isAiming.value,
           measures: shell.isMeasuring.value,
+          tabbed: isTabbed.value,
         })}
+        onFocus={() => (isTabbed.value = isByTab.current)}
         tabIndex={0}
         role="img"
         aria-label={t('3D view of the block and the tools')}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bar at the top: the scene's name and who does what to it, the viewer's role, the link, the
+// The bar at the top: the scene's name and who does what to it, the viewer's role, the
 // connection.
 
 import { useSignalEffect } from '@preact/signals';
@@ -14,8 +14,6 @@ import { Newcomers } from '../model/newcomers';
 import type { Participant } from '../model/participants';
 import type { SessionModel } from '../model/session';
 import { Badge } from './badge';
-import { IconButton } from './icon_button';
-import { ICONS } from './icons';
 
 /** The bar, with the name of the product, which is a link if `home` is true. */
 export function Bar({ home, children }: { home: boolean; children: ComponentChildren }) {
@@ -73,12 +71,7 @@ function Headline({ model, session, nowMs }: HeadlineProps) {
   );
 }
 
-export interface TitleBarProps extends HeadlineProps {
-  copyLink: () => void;
-  invite: () => void;
-}
-
-export function TitleBar({ model, session, nowMs, copyLink, invite }: TitleBarProps) {
+export function TitleBar({ model, session, nowMs }: HeadlineProps) {
   const { welcome, participants } = model;
   const name = welcome?.name ?? session;
   useSignalEffect(() => {
@@ -97,13 +90,6 @@ export function TitleBar({ model, session, nowMs, copyLink, invite }: TitleBarPr
       <span class="role" hidden={role === undefined}>
         {role === undefined ? '' : roleName(role)}
       </span>
-      <IconButton icon={ICONS.link} label={t('Copy a link to this session')} press={copyLink} />
-      <IconButton
-        icon={ICONS.invite}
-        label={t('Invite people')}
-        press={invite}
-        hidden={welcome?.may?.includes('invite') !== true}
-      />
       <Badge model={model} nowMs={nowMs} />
     </Bar>
   );

@@ -63,7 +63,15 @@ describe('the panel of the page without a server', () => {
       picture: { setMaterial: none } as unknown as Picture,
       capMouse: { rig: () => rig, isBusy, say: none },
       actions: {
-        ...{ choose: none, remove: none, stop: none, seek: none, takeHome: none },
+        ...{
+          example: vi.fn(),
+          newBlock: vi.fn(),
+          choose: none,
+          remove: none,
+          stop: none,
+          seek: none,
+          takeHome: none,
+        },
         ...{ save: none, linePressed: none },
       },
     });

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sessions as cards: picture, name, people, age, size, the one that was active last first.
-// They follow what happens on the server.
+// The sessions as cards: picture, name, people, age, size. They follow what happens on the server.
 
 import { useSignal } from '@preact/signals';
 import { useEffect, useLayoutEffect, useMemo, useRef } from 'preact/hooks';
@@ -94,6 +93,7 @@ function Card({ session, close }: CardProps) {
 }
 
 interface CardsProps extends Pick<CardProps, 'close'> {
+  /** In their order. */
   sessions: readonly SessionSummary[];
 }
 
@@ -105,10 +105,9 @@ export function Cards({ sessions, close }: CardsProps) {
     if (!(focused instanceof HTMLElement) || focused === document.activeElement) return;
     if (list.current?.contains(focused)) focused.focus({ preventScroll: true });
   });
-  const newest = [...sessions].sort((a, b) => (b.activeMs ?? 0) - (a.activeMs ?? 0));
   return (
     <ul ref={list} class="cards">
-      {newest.map((session) => (
+      {sessions.map((session) => (
         <Card key={session.id} session={session} close={close} />
       ))}
     </ul>

@@ -8,6 +8,7 @@ import { closeSession, listTemplates, priceOf } from '../../link/lobby_requests'
 import type { Template } from '../../link/lobby_requests';
 import type { ServerError } from '../../link/server_error';
 import { sentence } from '../format';
+import type { Order } from './card_order';
 import { NewBlock } from './new_block_state';
 
 const UPDATE_MS = 3000;
@@ -21,6 +22,9 @@ export class LobbyState {
   /** The session that the user is asked about before it is closed; null: none. */
   readonly toClose = signal<SessionSummary | null>(null);
   readonly fault = signal('');
+  /** Part of the names that are shown, as the user has typed it. */
+  readonly search = signal('');
+  readonly order = signal<Order>('active');
   private pollFault_ = ''; // the fault if it is one of polling the list
 
   constructor(sessions: readonly SessionSummary[]) {
@@ -63,7 +67,7 @@ export class LobbyState {
       this.tell_(problem);
       return;
     }
-    const block = new NewBlock(templates, () => this.sessions.peek().map(({ id }) => id));
+    const block = new NewBlock(templates, () => this.sessions.peek());
     this.newBlock.value = block;
     block.whyNot.value = await this.whyNotCreate_(templates);
     this.mayManage.value = block.whyNot.peek() === '';

@@ -149,7 +149,7 @@ export function NewBlockForm({ block }: BlockProps) {
   const isForbidden = block.whyNot.value !== '';
   const classes = ['new-block', isDropping && 'dropping', isForbidden && 'forbidden'];
   return (
-    <section class={classes.filter(Boolean).join(' ')} aria-label={t('New block')}>
+    <section id="new-block" class={classes.filter(Boolean).join(' ')} aria-label={t('New block')}>
       <h2>{t('New block')}</h2>
       <div class="drops">
         <FileChoice

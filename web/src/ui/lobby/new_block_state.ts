@@ -3,10 +3,11 @@
 
 import { batch, effect, signal, untracked } from '@preact/signals';
 import { t } from '../../strings';
+import type { SessionSummary } from '../../link/api';
 import { closeSession, createSession } from '../../link/lobby_requests';
 import type { Template } from '../../link/lobby_requests';
 import { ServerError } from '../../link/server_error';
-import { adapted, freeId, TARGET_DEFAULT_MM } from '../../model/new_block';
+import { adapted, freeId, freeName, TARGET_DEFAULT_MM } from '../../model/new_block';
 import { sentence } from '../format';
 import { ProgramRequests } from '../programs/requests';
 import { Accuracy } from './accuracy';
@@ -40,10 +41,10 @@ export class NewBlock {
   readonly whyNot = signal('');
   private reading_ = 0;
 
-  /** @param taken returns the ids of the sessions that exist */
+  /** @param sessions returns those that exist */
   constructor(
     readonly templates: readonly Template[],
-    private readonly taken: () => string[],
+    private readonly sessions: () => readonly Pick<SessionSummary, 'id' | 'name'>[],
   ) {
     effect(() => {
       const draft = this.draft.value;
@@ -58,6 +59,14 @@ export class NewBlock {
       this.template.value = template;
       this.show_(fromTemplate(template));
     });
+  }
+
+  /** Creates a block of the first template, which is for carving by hand, as it is. */
+  async createAtOnce(): Promise<void> {
+    const [first] = this.templates;
+    if (!first || this.isBusy.peek()) return;
+    this.choose(first);
+    await this.create();
   }
 
   async read(file: File, repair = false): Promise<void> {
@@ -84,10 +93,13 @@ export class NewBlock {
     this.isBusy.value = true;
     this.fault.value = null;
     try {
-      const id = freeId(this.nameOf_(draft), this.taken());
+      const id = freeId(
+        this.nameOf_(draft),
+        this.sessions().map((one) => one.id),
+      );
       await createSession(id, this.sceneOf_(draft));
       if (draft.program) await this.run_(id, draft.program);
-      location.assign(sessionUrl(id) + (draft.program ? '&play' : ''));
+      location.assign(sessionUrl(id, draft.program ? 'play' : 'carve'));
     } catch (problem) {
       this.isBusy.value = false;
       if (draft.program) await this.tellFault_(draft.program, problem as Error);
@@ -100,7 +112,10 @@ export class NewBlock {
     batch(() => {
       this.note.value = '';
       this.fault.value = null;
-      this.name.value = draft.name;
+      this.name.value = freeName(
+        draft.name,
+        this.sessions().map((one) => one.name),
+      );
       this.accuracy.targetMm.value = draft.targetMm ?? TARGET_DEFAULT_MM;
       this.draft.value = draft;
     });

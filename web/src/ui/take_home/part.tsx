@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// The button that opens the dialog of downloads. The dialog is a chunk that is loaded with the first
+// The action that opens the dialog of downloads. The dialog is a chunk that is loaded with the first
 // press.
 
 import { signal } from '@preact/signals';
 import type { VNode } from 'preact';
 import { t } from '../../strings';
 import type { SessionModel } from '../../model/session';
+import type { ButtonAction } from '../actions';
 import { ICONS } from '../icons';
 import { Live } from '../live';
 import type { TakeHomeDialog } from './dialog';
 
 export class TakeHomePart {
+  /** Opens the dialog. */
+  readonly action: ButtonAction = {
+    ...{ name: 'download', label: t('Download'), key: '', icon: ICONS.download },
+    perform: () => void this.open(),
+  };
   private readonly isOpen_ = signal(false);
   private readonly dialog_ = signal<typeof TakeHomeDialog | null>(null);
 
@@ -38,13 +44,4 @@ export class TakeHomePart {
     };
     return <Live view={view} />;
   }
-}
-
-export function TakeHomeButton({ part }: { part: TakeHomePart }) {
-  return (
-    <button type="button" class="button take-button" onClick={() => void part.open()}>
-      <span style="display: contents" dangerouslySetInnerHTML={{ __html: ICONS.download }} />
-      {t('Download…')}
-    </button>
-  );
 }

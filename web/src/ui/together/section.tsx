@@ -31,7 +31,7 @@ export function TogetherSection({ host, state, panel, press }: SectionProps) {
     },
   });
   return (
-    <Section title={t('Share')}>
+    <Section title={t('Pins and pictures')}>
       <div class="history-actions together-actions">
         <button
           {...button('setPin')}
