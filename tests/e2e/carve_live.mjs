@@ -238,7 +238,7 @@ async function compareDetail(viewer, wire) {
 
 /** Checks that every file that the page offers comes, with the name that the server sends. */
 async function checkDownloads({ page }) {
-  await page.getByRole('button', { name: 'Download…' }).click();
+  await page.getByRole('button', { name: 'Download', exact: true }).click();
   const dialog = page.getByRole('dialog', { name: 'Download' });
   await dialog.waitFor();
   const names = await dialog

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// End-to-end test of a newcomer's path to a first cut: with nothing but the page itself, by roles
-// and names, in Chromium and Firefox, on a desk and on a phone; on a server that has no session yet,
-// and in kerf.html without a server. See README.md.
+// End-to-end test of a newcomer's path to a first cut, by visible text alone and with at most two
+// presses: on a server that has no session yet, with an invitation, in kerf.html, and in that page as
+// one file that a browser opens from a folder; in Chromium and Firefox, on a desk and on a phone. See
+// README.md.
 //
 // node first_cut_live.mjs --server PROGRAM --web FOLDER --out FOLDER [--users all]
 
 import assert from 'node:assert/strict';
-import { writeFile } from 'node:fs/promises';
+import { copyFile, mkdir, readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
 import { openViewer, withBrowser } from './support/browser.mjs';
 import { serveFiles } from './support/file_host.mjs';
 import { fingerRests } from './support/finger.mjs';
 import { openInFirefox, withFirefox } from './support/firefox.mjs';
 import { poll, stop, until } from './support/processes.mjs';
+import { boxScene, cutter } from './support/scene.mjs';
 import { getJson, optionsOf, runFilesTest, startEmptyServer } from './support/session.mjs';
 
 const options = optionsOf(['server', 'web', 'out'], { users: 'some' });
@@ -20,6 +23,7 @@ const options = optionsOf(['server', 'web', 'out'], { users: 'some' });
 const SETTLE_S = 90; // software WebGL on a busy machine
 const DESK = { width: 1280, height: 800 };
 const PHONE = { width: 390, height: 844 };
+const GIFT = boxScene('Gift', [-40, -30, -20], [40, 30, 0], [cutter(1, 'ball', 8)]);
 /** Who tries: the browser, and its window. Some: each browser, each window. */
 const ALL = {
   'chromium-phone': PHONE,
@@ -38,15 +42,13 @@ async function chromiumUser(browser, url, viewport, hasTouch) {
   const { page, problems } = await openViewer(browser, url, viewport, {
     hasTouch,
   });
-  const button = (name) => page.getByRole('button', { name, exact: true });
-  const text = (shown) => page.getByText(shown, { exact: true });
+  const text = (shown) => page.getByText(shown, { exact: true }).filter({ visible: true });
   return {
     page,
     problems,
     look: () => page.screenshot({ timeout: 120_000 }),
-    press: (name) => (hasTouch ? button(name).tap() : button(name).click()),
-    pressText: (shown) => (hasTouch ? text(shown).tap() : text(shown).click()),
-    boxOf: (role, name) => page.getByRole(role, { name, exact: true }).boundingBox(),
+    press: (shown) => (hasTouch ? text(shown).tap() : text(shown).click()),
+    boxOf: (shown) => text(shown).boundingBox(),
     drag: hasTouch ? (points) => dragByCdp(page, points) : (points) => dragMouse(page, points),
     close: () => page.context().close(),
   };
@@ -59,14 +61,19 @@ async function firefoxUser(browser, url, viewport, hasTouch) {
     ...viewport,
     ...others,
   });
-  const find = (role, name) => page.waitForSelector(`::-p-aria([name="${name}"][role="${role}"])`);
+  const find = async (shown) => {
+    const isIt = (text) =>
+      [...document.querySelectorAll('body *')].findLast(
+        (one) => one.textContent.trim() === text && one.checkVisibility(),
+      );
+    return (await page.waitForFunction(isIt, {}, shown)).asElement();
+  };
   return {
     page,
     problems,
     look: async () => Buffer.from(await page.screenshot()),
-    press: async (name) => (await find('button', name)).click(),
-    pressText: async (shown) => (await page.waitForSelector(`::-p-text(${shown})`)).click(),
-    boxOf: async (role, name) => (await find(role, name)).boundingBox(),
+    press: async (shown) => (await find(shown)).click(),
+    boxOf: async (shown) => (await find(shown)).boundingBox(),
     drag: hasTouch
       ? (points) => dragByTouchscreen(page, points)
       : (points) => dragMouse(page, points),
@@ -129,20 +136,20 @@ async function brighterPixels({ page }, before, after, box) {
 }
 
 /** The middle of the free part of the picture: left of the panel, or above the bar of tools on a phone. */
-async function middleOf(user, panel, { width, height }) {
-  if (width > height) return [(await user.boxOf('complementary', panel)).x / 2, height / 2];
-  return [width / 2, (await user.boxOf('slider', 'Depth')).y / 2];
+async function middleOf(user, { width, height }) {
+  if (width > height) return [(await user.boxOf('Removed')).x / 2, height / 2];
+  return [width / 2, (await user.boxOf('Depth')).y / 2];
 }
 
 /**
  * Drags across the block until there is a cut: as somebody does whose first try came too early. Each
  * try is beside the last one, because a groove that is cut deeper becomes no brighter.
  */
-async function cut(user, panel, viewport) {
-  await user.boxOf('slider', 'Depth'); // the bar of tools is there
+async function cut(user, viewport) {
+  await user.boxOf('Depth'); // the bar of tools is there
   let tries = 0;
   return until('a cut in the picture', SETTLE_S, async () => {
-    const [x, middle] = (await middleOf(user, panel, viewport)).map(Math.round);
+    const [x, middle] = (await middleOf(user, viewport)).map(Math.round);
     const y = middle + 10 * (tries++ % 4);
     const before = await user.look();
     const points = [-40, -15, 10, 40].map((along) => [x + along, y + 2]);
@@ -159,42 +166,79 @@ async function cut(user, panel, viewport) {
   });
 }
 
-/** Reads nothing: a template, “Create”, “Carve”, and a stroke. */
+/** A press on one text, and a stroke. */
 async function atServer(user, base, name, viewport) {
   const began = Date.now();
   await user.page.goto(base);
-  await user.pressText('Box');
-  await user.press('Create');
-  await user.press('Carve');
-  const picture = await cut(user, 'Session', viewport);
+  await user.press('Carve a new block');
+  const picture = await cut(user, viewport);
   console.log(`${name}, at a server: a cut after ${seconds(began)}`);
   await writeFile(join(options.out, `first-cut-${name}.png`), picture);
   const { sessions } = await getJson(`${base}/v1/sessions`);
   assert.equal(sessions.length, 1);
-  // The page shows the cut of its copy before the server has made it.
+  await isCutAtServer(`${base}/v1/sessions/${sessions[0].id}`, {});
+}
+
+/** The page shows the cut of its copy before the server has made it. */
+async function isCutAtServer(session, headers) {
   await until('cut at the server', SETTLE_S, async () => {
-    const { removed_volume_mm3: removed } = await getJson(`${base}/v1/sessions/${sessions[0].id}`);
-    return removed > 0;
+    const answer = await fetch(session, { headers });
+    return answer.ok && (await answer.json()).removed_volume_mm3 > 0;
   });
 }
 
-async function withoutServer(user, host, name, viewport) {
+/** Somebody who was sent the link of an invitation: a press on one text, and a stroke. */
+async function invited(user, name, viewport, folder) {
+  await mkdir(folder, { recursive: true });
+  const file = join(folder, 'admin');
+  const others = ['--admin-token-file', file];
+  const { server, base } = await startEmptyServer({ ...options, others }, folder);
+  const token = (await readFile(file, 'ascii')).trim();
+  const headers = { authorization: `Bearer ${token}` };
+  const session = `${base}/v1/sessions/gift`;
+  const body = JSON.stringify(GIFT);
+  const created = await fetch(`${base}/v1/sessions?id=gift`, { method: 'POST', headers, body });
+  assert.equal(created.status, 201, await created.text());
+  const made = await fetch(`${session}/invitations?role=sculptor`, { method: 'POST', headers });
+  const { link } = await made.json();
   const began = Date.now();
-  await user.page.goto(`${host}/kerf.html`);
-  await user.press('Carve a block by hand');
-  const picture = await cut(user, 'Details', viewport);
-  console.log(`${name}, without a server: a cut after ${seconds(began)}`);
-  await writeFile(join(options.out, `first-cut-local-${name}.png`), picture);
+  await user.page.goto(new URL(link, base).href);
+  await user.press('Carve');
+  await cut(user, viewport);
+  console.log(`${name}, invited: a cut after ${seconds(began)}`);
+  await isCutAtServer(session, headers);
+  await user.page.goto('about:blank'); // else it misses its server
+  assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
+}
+
+/** No press at all: the page opens on a block. */
+async function withoutServer(user, url, name, viewport) {
+  const began = Date.now();
+  await user.page.goto(url);
+  const picture = await cut(user, viewport);
+  console.log(`${name}: a cut after ${seconds(began)}`);
+  await writeFile(join(options.out, `first-cut-${name}.png`), picture);
+}
+
+/** The page as one file, outside its folder; its help is a key away. */
+async function fromFile(user, name, viewport, folder) {
+  const file = join(folder, 'kerf.html');
+  await copyFile(join(options.web, 'kerf-single.html'), file);
+  await withoutServer(user, pathToFileURL(file).href, `${name}-file`, viewport);
+  await user.page.keyboard.press('?');
+  assert(await user.boxOf('Show the whole block'), 'no help');
 }
 
 function seconds(began) {
   return `${((Date.now() - began) / 1000).toFixed(1)} s`;
 }
 
-async function carveBoth(user, name, viewport, host, folder) {
+async function carveAll(user, name, viewport, host, folder) {
   const { server, base } = await startEmptyServer(options, folder);
   await atServer(user, base, name, viewport);
-  await withoutServer(user, host.base, name, viewport);
+  await withoutServer(user, `${host.base}/kerf.html`, `${name}-local`, viewport);
+  if (name.startsWith('chromium')) await fromFile(user, name, viewport, folder);
+  await invited(user, name, viewport, join(folder, 'invited'));
   assert.deepEqual(user.problems, []);
   await user.close();
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
@@ -209,7 +253,7 @@ async function test(folder) {
     await withIt(async (browser) => {
       for (const [name, viewport] of USERS.filter(([each]) => each.startsWith(kind))) {
         const user = await userOf(browser, 'about:blank', viewport, viewport === PHONE);
-        await carveBoth(user, name, viewport, host, join(folder, name));
+        await carveAll(user, name, viewport, host, join(folder, name));
       }
     });
 }

@@ -60,7 +60,7 @@ async function startServer(folder) {
 
 /** The owner makes a link for watchers in the dialog. Returns it. */
 async function invite(page) {
-  await page.getByRole('button', { name: 'Invite people' }).click();
+  await page.getByRole('button', { name: 'Share' }).click();
   const dialog = page.getByRole('dialog', { name: 'Invite' });
   await dialog.getByText('Watcher', { exact: true }).click();
   await dialog.getByRole('button', { name: 'Create link' }).click();
@@ -92,7 +92,7 @@ async function test(folder) {
     const link = await invite(owner.page);
     assert(link.startsWith(`${base}/?session=e2e#invite=kerf_`), link);
     const watcher = await open(browser, link);
-    const button = watcher.page.getByRole('button', { name: 'Invite people' });
+    const button = watcher.page.getByRole('button', { name: 'Share' });
     assert.equal(await button.isVisible(), false, 'a watcher invites nobody');
     const { json } = await api('GET', '/v1/sessions/e2e');
     const roles = json.participants.map((participant) => participant.role).sort();

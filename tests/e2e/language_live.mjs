@@ -34,10 +34,10 @@ function button(n) {
 /** What opens, and the element that is then there. A press on `closes` closes it, or Escape. */
 const PARTS = [
   { opens: '.help-button', part: 'dialog.help[open]' },
-  { opens: '.take-button', part: 'dialog.take-home' },
-  { opens: button(2), part: '.programs', closes: '.programs header button' },
-  { opens: button(3), part: '.inspect', closes: button(3) },
-  { opens: button(4), part: '.timeline', closes: button(4) },
+  { opens: '.main-action-download', part: 'dialog.take-home' },
+  { opens: button(1), part: '.programs', closes: '.programs header button' },
+  { opens: button(2), part: '.inspect', closes: button(2) },
+  { opens: button(3), part: '.timeline', closes: button(3) },
 ];
 
 async function open(browser, base, locale, viewport, colorScheme) {
@@ -52,7 +52,7 @@ async function open(browser, base, locale, viewport, colorScheme) {
 
 /** Opens one part after the other, and calls `look` with its selector while it is open. */
 async function eachPart({ page }, look) {
-  await look('body', 'main > :is(.bar, .toolbar, .panel)');
+  await look('body', 'main > :is(.bar, .main-actions, .toolbar, .panel)');
   for (const { opens, part, closes } of PARTS) {
     await page.locator(opens).dispatchEvent('click'); // on a phone it may be in a closed sheet
     await page.locator(part).waitFor();

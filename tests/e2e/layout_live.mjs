@@ -50,7 +50,16 @@ const SCENE = boxScene(
 /** A rapid motion goes through the stock: an alarm. */
 const RAPID = 'G21 G90\nT1 M6\nG0 X-16 Y0 Z5\nG0 Z-3\nG0 X16\nG1 Y6 F6000\nG1 X-16\nG0 Z20\nM30\n';
 /** What may lie over the picture. */
-const OVER = ['.bar', '.toolbar', '.panel', '.programs', '.inspect', '.timeline', '.carve-bar'];
+const OVER = [
+  '.bar',
+  '.main-actions',
+  '.toolbar',
+  '.panel',
+  '.programs',
+  '.inspect',
+  '.timeline',
+  '.carve-bar',
+];
 
 const toggle = (name) => async (page) => {
   await page.getByRole('button', { name, exact: true }).dispatchEvent('click');

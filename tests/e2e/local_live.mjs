@@ -14,7 +14,14 @@ import { nextFrames, openViewer, withBrowser } from './support/browser.mjs';
 import { photograph } from './support/pictures.mjs';
 import { dropFiles } from './support/drop.mjs';
 import { serveFiles } from './support/file_host.mjs';
-import { carvedMore, checkReplayed, isJoined, savedTo, settled } from './support/local_page.mjs';
+import {
+  carvedMore,
+  checkReplayed,
+  downloadOf,
+  isJoined,
+  savedTo,
+  settled,
+} from './support/local_page.mjs';
 import { until } from './support/processes.mjs';
 import { optionsOf, runFilesTest } from './support/session.mjs';
 import { clashesIn } from './support/texts.mjs';
@@ -60,7 +67,7 @@ async function carvedHere(folder) {
 
 async function checkCarving(viewer, here) {
   const { page } = viewer;
-  await checkAccessible(page, 'the empty page');
+  await checkAccessible(page, 'the page as it opens');
   await dropFiles(page, { [NAME]: PROGRAM, 'wave.json': SCENE });
   const { hash } = await settled(viewer, 'program', ({ carved, motions }) => carved === motions);
   assert.equal(hash, here.state_hash);
@@ -72,10 +79,7 @@ async function checkCarving(viewer, here) {
 
 /** The path of the file that a button gives. */
 async function takenHome(page, format) {
-  const [download] = await Promise.all([
-    page.waitForEvent('download'),
-    page.getByRole('button', { name: format.toUpperCase(), exact: true }).click(),
-  ]);
+  const download = await downloadOf(page, format.toUpperCase());
   assert.equal(download.suggestedFilename(), `wave.${format}`);
   return download.path();
 }
@@ -126,7 +130,10 @@ async function checkHand(viewer, carved, file) {
   for (const size of [PHONE, DESK]) {
     await page.setViewportSize(size);
     await nextFrames(page);
-    assert.deepEqual(await clashesIn(page, 'main > :is(.bar, .toolbar, .panel, .carve-bar)'), []);
+    assert.deepEqual(
+      await clashesIn(page, 'main > :is(.bar, .main-actions, .toolbar, .panel, .carve-bar)'),
+      [],
+    );
     await photograph(viewer, join(options.out, `local-hand-${size.width}.png`));
   }
   await savedTo(viewer, file);
@@ -150,7 +157,8 @@ async function test(folder) {
     const viewer = await openViewer(browser, `${host.base}/kerf.html`, DESK, {
       reducedMotion: 'reduce',
     });
-    await photograph(viewer, join(options.out, 'local-empty.png'));
+    await isJoined(viewer); // the block with which the page opens
+    await photograph(viewer, join(options.out, 'local-first.png'));
     await checkCarving(viewer, here);
     await until('picture', SETTLE_S, async () => (await viewer.state()).hasPicture);
     await photograph(viewer, join(options.out, 'local.png'));

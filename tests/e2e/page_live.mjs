@@ -222,7 +222,7 @@ async function checkWithoutWebGl(base, scratch) {
       poster.evaluate((image) => image.complete && image.naturalWidth > 0),
     );
     await writeFile(join(options.out, 'page-without-webgl.png'), await page.screenshot());
-    await page.getByRole('button', { name: 'Download…' }).click();
+    await page.getByRole('button', { name: 'Download', exact: true }).click();
     const dialog = page.getByRole('dialog', { name: 'Download' });
     await dialog.locator('[value="STL"]').check();
     const started = page.waitForEvent('download');

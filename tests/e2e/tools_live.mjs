@@ -90,7 +90,6 @@ async function checkFault(page) {
  * it.
  */
 async function carveUntil({ page, state }, isCut) {
-  await page.keyboard.press('c');
   await page.locator('main[data-carve="ready"]').waitFor();
   await page.locator('.carve-tool').last().click();
   await page.getByRole('slider', { name: 'Depth' }).fill('4');
@@ -154,13 +153,11 @@ async function checkLocal(browser, host) {
   await drawDovetail(page);
   await checkAccessible(page, 'kerf.html with a tool');
   await page.screenshot({ path: join(options.out, 'tools-local.png') });
-  await page.getByRole('button', { name: 'Carve a block by hand' }).click();
+  await page.getByRole('button', { name: 'New block with these tools' }).click();
   const before = await until('block', SETTLE_S, async () => {
     const now = await state();
     return now.status === 'rest' && now.hash;
   });
-  await page.locator('main[data-carve="ready"]').waitFor();
-  await page.keyboard.press('Escape');
   await carveUntil(viewer, async () => {
     const { status, hash, waiting } = await state();
     return status === 'rest' && waiting === 0 && hash !== null && hash !== before;

@@ -35,6 +35,7 @@ class FakeWebSocket implements Socket {
 describe('the first connection of a page', () => {
   beforeEach(() => {
     FakeWebSocket.all = [];
+    vi.stubGlobal('window', { addEventListener: vi.fn() });
     vi.stubGlobal('WebSocket', FakeWebSocket);
     vi.stubGlobal('localStorage', { getItem: () => 'Ada', setItem: () => undefined });
     vi.stubGlobal('navigator', {});

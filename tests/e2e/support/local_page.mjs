@@ -38,12 +38,20 @@ export async function carvedMore(viewer, before, y) {
   return settled(viewer, 'stroke', ({ hash }) => hash !== before.hash);
 }
 
-/** Saves the page's .kerf file. */
-export async function savedTo({ page }, file) {
+/** The file that a button of the dialog of downloads gives. */
+export async function downloadOf(page, format) {
+  await page.getByRole('button', { name: 'Download', exact: true }).click();
   const [download] = await Promise.all([
     page.waitForEvent('download'),
-    page.getByRole('button', { name: 'KERF', exact: true }).click(),
+    page.getByRole('button', { name: format, exact: true }).click(),
   ]);
+  await page.getByRole('button', { name: 'Close', exact: true }).click();
+  return download;
+}
+
+/** Saves the page's .kerf file. */
+export async function savedTo({ page }, file) {
+  const download = await downloadOf(page, 'KERF');
   assert.match(download.suggestedFilename(), /^[a-z0-9_-]+\.kerf$/);
   await copyFile(await download.path(), file);
 }

@@ -6,6 +6,7 @@ import { t } from '../strings';
 import type { BlockCopy } from '../kernel/block_copy';
 import { socketUrl } from '../link/address';
 import { Backoff } from '../link/backoff';
+import { notePerson, personIn } from '../link/kept_person';
 import { Servers } from '../link/servers';
 import { Silence } from '../link/silence';
 import type { Socket } from '../link/socket';
@@ -58,6 +59,10 @@ export interface CarveLinkOptions {
   nowMs(): number;
   /** The page's copy of the block, which sees all messages of this link. */
   copy: Pick<BlockCopy, 'works' | 'open' | 'cut' | 'take' | 'change' | 'settle'>;
+  /** Of the page before this one, which was loaded again; empty: none. */
+  token?: string;
+  /** The token with which the next page continues. */
+  keep?: (token: string) => void;
   backoff?: Backoff;
 }
 
@@ -100,6 +105,7 @@ export class CarveLink {
   ) {
     this.backoff_ = options.backoff ?? new Backoff();
     this.servers_ = new Servers(options.url);
+    this.token_ = options.token ?? '';
   }
 
   get status(): CarveStatus {
@@ -330,10 +336,12 @@ export class CarveLink {
 
   private joined_(welcome: AgentWelcome, text: string): void {
     const { token, resumed, agentSequence } = welcome.resume;
+    const hasCopy = this.welcome_ !== null && resumed;
     this.welcome_ = welcome;
     this.token_ = token;
+    this.options.keep?.(token);
     this.servers_.welcomed(welcome.others);
-    if (!resumed) this.options.copy.open(text);
+    if (!hasCopy) this.options.copy.open(text);
     this.again_ = this.log_.toResend(agentSequence);
     this.awaitsStock_ = resumed && this.options.copy.works && this.again_.length > 0;
     this.sendAgain_(new Pace(welcome.samplesPerS, this.options.nowMs()), !resumed);
@@ -372,6 +380,8 @@ export function linkToServer(
       who,
       nowMs: () => performance.now(),
       copy,
+      token: personIn(session).token,
+      keep: (token) => notePerson(session, { token }),
     },
     events,
   );

@@ -42,9 +42,10 @@ export class SampleLog {
 
   /**
    * The samples that a new connection sends first: the newest one that the server has, which places
-   * the tool, and those after it.
+   * the tool, and those after it. A page that was loaded again has none, and numbers on from there.
    */
   toResend(serverHas: bigint): Sample[] {
+    if (serverHas > this.newest_) this.newest_ = serverHas;
     this.answered(serverHas);
     return this.kept_.filter((sample) => sample.agent_sequence >= serverHas);
   }

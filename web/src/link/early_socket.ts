@@ -7,6 +7,7 @@ import { VIEW_PROTOCOL } from '../wire/types';
 import { socketUrl } from './address';
 import { viewBudget } from './budget';
 import { helloText } from './hello';
+import { personIn } from './kept_person';
 import type { Socket } from './socket';
 import { viewerName } from './viewer_name';
 
@@ -69,7 +70,8 @@ export function joinEarly(): void {
   if (!session || location.hash !== '') return;
   const url = socketUrl(session, 'view');
   const socket = new WebSocket(url, VIEW_PROTOCOL) as unknown as Socket;
-  const hello = helloText(viewerName(parameters), null, viewBudget(parameters));
+  const { color } = personIn(session);
+  const hello = helloText(viewerName(parameters), null, viewBudget(parameters), color);
   early = { url, socket: new EarlySocket(socket, hello) };
 }
 

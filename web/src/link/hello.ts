@@ -6,9 +6,14 @@ import { viewBudget } from './budget';
 
 /**
  * The message with which a viewer joins. `look`: null if one follows the welcome; `budget`: bytes of
- * the surface per second, 0: any.
+ * the surface per second, 0: any; `color`: empty: the server's choice.
  */
-export function helloText(name: string, look: Look | null, budget = viewBudget()): string {
+export function helloText(
+  name: string,
+  look: Look | null,
+  budget = viewBudget(),
+  color = '',
+): string {
   return JSON.stringify({
     type: 'hello',
     name,
@@ -17,5 +22,6 @@ export function helloText(name: string, look: Look | null, budget = viewBudget()
     verify: true,
     look: look ?? true,
     ...(budget > 0 ? { budget } : {}),
+    ...(color === '' ? {} : { color }),
   });
 }

@@ -62,6 +62,8 @@ export interface LinkOptions {
   open(url: string, protocol: string): Socket;
   /** Queries over HTTP why the server with this origin does not let the viewer in. */
   probe(server: string): Promise<Rejection>;
+  /** Under which the viewer was there before; empty: the server chooses. */
+  color?(): string;
   /**
    * The camera, once the block has been seen. It stands in the hello, so that the first snapshot
    * has the right levels of detail. Before, null: a look follows the welcome.
@@ -208,7 +210,8 @@ export class ViewLink {
   }
 
   private hello_(): string {
-    return helloText(this.name_, this.options.look(), this.options.budget);
+    const { look, budget, color } = this.options;
+    return helloText(this.name_, look(), budget, color?.());
   }
 
   private drop_(): void {

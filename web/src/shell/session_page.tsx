@@ -7,6 +7,7 @@ import { CarvePart } from '../carve/part';
 import { probeSession } from '../link/api';
 import { socketUrl } from '../link/address';
 import { openView } from '../link/early_socket';
+import { notePerson, personIn } from '../link/kept_person';
 import { reloadAt } from '../link/redirect';
 import { notLoaded, pageAddress, useServer } from '../link/request';
 import { ViewLink } from '../link/view_link';
@@ -191,6 +192,7 @@ export class SessionPage {
       {
         url: socketUrl(this.session_, 'view'),
         name,
+        color: () => personIn(this.session_).color,
         open: openView,
         probe: (server) => probeSession(this.session_, server),
         look: () => this.picture.look()?.look ?? null,
@@ -216,6 +218,7 @@ export class SessionPage {
           if (message.type !== 'welcome') return;
           this.past_.welcomed();
           mark('welcome');
+          notePerson(this.session_, { color: message.color });
           this.picture.welcome(message);
           this.lookPolicy_.reset();
         },

@@ -155,6 +155,42 @@ describe('carve link', () => {
     expect(socket.motions.flat()).toEqual(Array.from({ length: 20 }, (_, n) => n + 1));
   });
 
+  it('continues as the participant of the page before, which was loaded again', () => {
+    copy.works = true;
+    const kept: string[] = [];
+    const again = new CarveLink(
+      {
+        url: 'ws://host/v1/sessions/s/agent',
+        open: (url, protocol) => {
+          sockets.push(new FakeSocket(url, protocol));
+          return sockets.at(-1)!;
+        },
+        who: () => ({ name: 'Ada', color: '#112233', tool: 1 }),
+        nowMs: () => Date.now(),
+        copy,
+        token: 'ab12',
+        keep: (token) => kept.push(token),
+      },
+      {
+        status: () => undefined,
+        joined: () => undefined,
+        result: () => undefined,
+        rejected: () => undefined,
+        changed: () => undefined,
+      },
+    );
+    again.join();
+    const socket = sockets.at(-1)!;
+    socket.onopen?.();
+    expect(socket.texts[0]).toMatchObject({ resume: 'ab12' });
+    socket.say({ ...WELCOME, resume: { token: 'ab12', resumed: true, agent_sequence: 7 } });
+    expect(copy.heard).toEqual(['open 3']);
+    again.send(drafts(2));
+    expect(socket.motions).toEqual([[8, 9]]);
+    expect(kept).toEqual(['ab12']);
+    again.leave();
+  });
+
   it('continues as the same participant, and resends samples that may be missing', () => {
     const first = join();
     link.send(drafts(5));
