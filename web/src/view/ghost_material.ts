@@ -47,5 +47,6 @@ export function ghostMaterial(
     fragmentShader: FRAGMENT,
     transparent: true,
     depthWrite: false,
+    side: THREE.DoubleSide, // the outline is whole from above
   });
 }
