@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Carving in the page: takes pointer and keys, draws the tool where it would cut, and sends its path
-// to the server as any agent does. The cut is made in the page's copy of the block at once, and shown
-// from there until the server's mesh comes. A page without a server has the block itself.
+// Carving in the page: takes pointer and keys, draws the tool, sends its path as an agent does, and
+// cuts the page's copy of the block at once. A page without a server has the block itself.
 
 import { signal } from '@preact/signals';
 import type { VNode } from 'preact';
@@ -74,7 +73,7 @@ export class CarveMode {
       color: () => this.who_().color,
       changes: () => this.stopStroke_(),
     });
-    this.choices_ = new StrokeChoices(this.hand_, () => this.stopStroke_());
+    this.choices_ = new StrokeChoices(this.hand_, this.settings_, () => this.stopStroke_());
     this.copy_ = host.linkHere ? null : this.makeCopy_();
     this.link_ = this.makeLink_();
     this.settling_ = this.copy_ && new Settling(this.copy_, viewer.local);
@@ -262,10 +261,7 @@ export class CarveMode {
       undo: () => this.undo_(),
       redo: () => this.redo_(),
       nextTool: (step) => this.settings_.nextTool(step),
-      togglePlane: () => this.settings_.togglePlane(),
-      nextAxis: () => this.settings_.nextAxis(),
       ...this.choices_.keys,
-      nextDrag: () => this.settings_.nextDrag(),
       space: (held) => {
         if (this.pointers_) this.pointers_.spaceHeld = held;
       },
@@ -343,7 +339,7 @@ export class CarveMode {
     this.stretch_.value = this.hand_.isCutting ? this.hand_.stretch : null;
     if (!this.viewer.eyeElsewhere) this.devices_.tick(now);
     this.gauge_.update(this.viewer.arrowScale.forceFullN, now);
-    if (this.settings_.leans.peek()) this.coaching_.leaned();
+    if (this.hand_.isOnSide) this.coaching_.leaned();
     if (this.isJoined_()) this.notes_.showLater(this.coaching_.text, now);
   }
 

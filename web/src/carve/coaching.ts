@@ -19,8 +19,8 @@ export class Coaching {
     if (this.learned_ === 'lean') return '';
     if (this.learned_ === 'stroke')
       return this.isTouched()
-        ? t('Two fingers turn the block. Lean reaches its sides.')
-        : t('Right-drag turns the block. Lean reaches its sides.');
+        ? t('Two fingers turn the block. Its sides can be carved too.')
+        : t('Right-drag turns the block. Its sides can be carved too.');
     return this.isTouched()
       ? t('Draw on the block with one finger to carve.')
       : t('Drag on the block to carve.');
@@ -31,7 +31,7 @@ export class Coaching {
     if (this.learned_ === null) this.learn_('stroke');
   }
 
-  /** The user has leaned the tool. */
+  /** The tool has leaned in a cut: a side was carved. */
   leaned(): void {
     if (this.learned_ !== 'lean') this.learn_('lean');
   }

@@ -96,6 +96,11 @@ export class Hand {
     return this.stroke_ !== null || this.freelyCuts_;
   }
 
+  /** Whether it cuts with its axis more than 45° from the vertical. */
+  get isOnSide(): boolean {
+    return this.isCutting && this.drawn_ !== null && this.drawn_.axis[2] < Math.SQRT1_2;
+  }
+
   /** Shows where the tool would cut; `isSent`: others see it too. */
   hover(place: Place | null, isSent: boolean): void {
     if (this.stroke_) return; // of another pointer: the stroke goes on

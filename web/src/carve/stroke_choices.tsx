@@ -7,6 +7,7 @@ import { t } from '../strings';
 import type { Hand } from './hand';
 import { nextMirror, TURNS } from './mirror';
 import type { Mirror } from './mirror';
+import type { ToolSettings } from './tool_settings';
 
 const STEADY = 'steady'; // as it is remembered
 const STRINGS_PX = [0, 10, 25, 50, 100];
@@ -20,6 +21,7 @@ export class StrokeChoices {
   /** `changes`: the symmetry changes: a stroke ends. */
   constructor(
     private readonly hand: Hand,
+    private readonly settings: Pick<ToolSettings, 'togglePlane' | 'nextAxis' | 'nextDrag'>,
     private readonly changes: () => void,
   ) {
     const known = STRINGS_PX.find((px) => String(px) === recall(STEADY));
@@ -27,7 +29,13 @@ export class StrokeChoices {
   }
 
   /** The actions of keys. */
-  readonly keys = { nextMirror: () => this.nextMirror(), nextString: () => this.nextString() };
+  readonly keys = {
+    nextMirror: () => this.nextMirror(),
+    nextString: () => this.nextString(),
+    togglePlane: () => this.settings.togglePlane(),
+    nextAxis: () => this.settings.nextAxis(),
+    nextDrag: () => this.settings.nextDrag(),
+  };
 
   chooseMirror(mirror: Mirror): void {
     this.changes();

@@ -13,9 +13,9 @@ describe('the line of coaching', () => {
     const coaching = make();
     expect(coaching.text).toBe('Drag on the block to carve.');
     coaching.stroked();
-    expect(coaching.text).toMatch(/Lean/);
+    expect(coaching.text).toMatch(/sides/);
     coaching.stroked();
-    expect(coaching.text).toMatch(/Lean/);
+    expect(coaching.text).toMatch(/sides/);
     coaching.leaned();
     expect(coaching.text).toBe('');
     coaching.stroked();
@@ -24,7 +24,7 @@ describe('the line of coaching', () => {
 
   it('goes on where it was in a page that is loaded again', () => {
     make().stroked();
-    expect(make().text).toMatch(/Lean/);
+    expect(make().text).toMatch(/sides/);
     make().leaned();
     expect(make().text).toBe('');
   });

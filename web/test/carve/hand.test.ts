@@ -236,6 +236,16 @@ describe('hand', () => {
     });
   });
 
+  it('knows when it carves a side', () => {
+    hand.begin(at(0), 1);
+    expect(hand.isOnSide).toBe(false);
+    hand.end(1);
+    hand.moveTo({ tip: [1, 0, -1], axis: [0.8, 0, 0.6] }, false, true);
+    expect(hand.isOnSide).toBe(false);
+    hand.moveTo({ tip: [2, 0, -1], axis: [0.8, 0, 0.6] }, true, true);
+    expect(hand.isOnSide).toBe(true);
+  });
+
   it('is drawn at the pointer, and cuts up to there when the pointer rests', () => {
     hand.begin(at(0), 1);
     hand.move([at(8)], 1);
