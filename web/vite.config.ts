@@ -3,6 +3,7 @@ import type { HtmlTagDescriptor, Plugin } from 'vite';
 import { defineConfig } from 'vitest/config';
 import { compress } from './bundle/compress';
 import { hasModule, willHaveModule } from './bundle/modules';
+import { offlineList } from './bundle/offline_list';
 import { manual } from './manual/render';
 
 // In development Vite serves the page and forwards /v1 to a running kerf-server (or to `npm run
@@ -39,7 +40,12 @@ export default defineConfig({
     KERF_HAS_SINGLE: hasModule('kerf_files.wasm'), // which is in it
   },
   json: { namedExports: false },
-  plugins: [preloadView(), manual(), compress(/\.(js|css|html|svg|wasm|webmanifest)$/)],
+  plugins: [
+    preloadView(),
+    manual(),
+    offlineList(),
+    compress(/\.(js|css|html|svg|wasm|webmanifest)$/),
+  ],
   build: {
     target: 'es2022',
     chunkSizeWarningLimit: 900,

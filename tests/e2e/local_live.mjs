@@ -69,7 +69,9 @@ async function checkCarving(viewer, here) {
   const { page } = viewer;
   await checkAccessible(page, 'the page as it opens');
   await dropFiles(page, { [NAME]: PROGRAM, 'wave.json': SCENE });
-  const { hash } = await settled(viewer, 'program', ({ carved, motions }) => carved === motions);
+  const { hash } = await settled(viewer, 'program', ({ carved, motions }) => {
+    return motions > 0 && carved === motions; // the block with which the page opens has none
+  });
   assert.equal(hash, here.state_hash);
   await page.getByText(here.state_hash).waitFor({ state: 'attached' }); // under Details
   const stl = await readFile(await takenHome(page, 'stl'));
@@ -150,6 +152,23 @@ async function checkFault({ page, state }) {
   assert.equal(await page.locator('.program-row.marked mark').textContent(), 'Q3');
 }
 
+/** Without a network the page opens from what the browser keeps, and a hand carves. */
+async function checkOffline(browser, host) {
+  const viewer = await openViewer(browser, `${host.base}/kerf.html`, DESK);
+  const { page } = viewer;
+  await page.waitForFunction(async () => {
+    await navigator.serviceWorker.ready;
+    return caches.match('./kerf.html');
+  });
+  await page.context().setOffline(true);
+  await page.reload();
+  await isJoined(viewer);
+  const first = await settled(viewer, 'block without a network', () => true);
+  await carvedMore(viewer, first, 0.5);
+  assert.deepEqual(viewer.problems, []);
+  await page.context().close();
+}
+
 async function test(folder) {
   const here = await carvedHere(folder);
   const host = await serveFiles(options.web);
@@ -167,6 +186,7 @@ async function test(folder) {
     await checkHand(viewer, carved, join(folder, 'by-hand.kerf'));
     await checkFault(viewer);
     assert.deepEqual(viewer.problems, []);
+    await checkOffline(browser, host);
     assert.deepEqual(host.missing, [], 'the page asks for what is not in its folder');
   });
 }

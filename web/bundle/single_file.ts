@@ -54,7 +54,7 @@ export function singleFile(html: string, name: string, modules: readonly string[
         const icon = readFileSync(modulePath('icon.svg')).toString('base64');
         const page = textOf(bundle, html)
           .replace(/^\s*<script type="module".*<\/script>$/m, '')
-          .replace(/^\s*<link rel="(stylesheet|modulepreload|manifest)".*>$/gm, '')
+          .replace(/^\s*<link rel="(stylesheet|modulepreload|manifest|apple-touch-icon)".*>$/gm, '')
           .replace('</head>', () => `<style>${textOf(bundle, '.css')}</style>\n</head>`)
           .replace('</body>', () => {
             const elements = [

@@ -6,7 +6,10 @@ import '@fontsource-variable/inter/wght.css';
 import '../ui/style/index.css';
 import './local.css';
 import { installLocalHook } from './hook';
+import { worksOffline } from './offline';
 import { language, loadTexts } from '../strings';
+
+const KEEPS_AFTER_MS = 3000;
 
 // The code of the page runs when its texts are there: its constants have some of them.
 async function main(): Promise<void> {
@@ -16,6 +19,8 @@ async function main(): Promise<void> {
   const page = new LocalPage(document.getElementById('app')!);
   installLocalHook(page);
   page.start();
+  // Not while the page loads what it needs itself.
+  setTimeout(() => void worksOffline(), KEEPS_AFTER_MS);
 }
 
 void main();
