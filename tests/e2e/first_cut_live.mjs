@@ -236,9 +236,10 @@ function seconds(began) {
 async function carveAll(user, name, viewport, host, folder) {
   const { server, base } = await startEmptyServer(options, folder);
   await atServer(user, base, name, viewport);
+  await invited(user, name, viewport, join(folder, 'invited'));
+  // Last, because the page asks about unsaved strokes before it is left.
   await withoutServer(user, `${host.base}/kerf.html`, `${name}-local`, viewport);
   if (name.startsWith('chromium')) await fromFile(user, name, viewport, folder);
-  await invited(user, name, viewport, join(folder, 'invited'));
   assert.deepEqual(user.problems, []);
   await user.close();
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);

@@ -156,10 +156,11 @@ async function checkFault({ page, state }) {
 async function checkOffline(browser, host) {
   const viewer = await openViewer(browser, `${host.base}/kerf.html`, DESK);
   const { page } = viewer;
-  await page.waitForFunction(async () => {
+  const isKept = async () => {
     await navigator.serviceWorker.ready;
-    return caches.match('./kerf.html');
-  });
+    return (await caches.match('./kerf.html')) !== undefined;
+  };
+  await until('files that the browser keeps', SETTLE_S, () => page.evaluate(isKept));
   await page.context().setOffline(true);
   await page.reload();
   await isJoined(viewer);

@@ -4,8 +4,8 @@
 // does not keep, because the policy of a script's file may forbid it (server/http).
 
 /** Where the page looks for a newer build, its requests go to the host. */
-const asksHost = ({ method, cache, url }) =>
-  method !== 'GET' || cache === 'reload' || new URL(url).origin !== location.origin;
+const asksHost = ({ method, headers, url }) =>
+  method !== 'GET' || headers.has('kerf-host') || new URL(url).origin !== location.origin;
 
 self.addEventListener('install', () => self.skipWaiting());
 self.addEventListener('activate', (event) => event.waitUntil(self.clients.claim()));

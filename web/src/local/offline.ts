@@ -13,7 +13,8 @@ interface Build {
 }
 
 /** From the host, not from what is kept (public/offline.js). */
-const fromHost = (path: string): Request => new Request(path, { cache: 'reload' });
+const fromHost = (path: string): Request =>
+  new Request(path, { cache: 'no-cache', headers: { 'kerf-host': '1' } });
 
 /** Keeps all files of the newest build, then forgets those of earlier ones. */
 export async function keepBuild(): Promise<void> {
