@@ -53,6 +53,12 @@ std::expected<void, AccuracyError> resolve_accuracy(Scene& scene, const Accuracy
   return {};
 }
 
+std::map<ToolId, Tool> tools_of(const Scene& scene) {
+  std::map<ToolId, Tool> tools;
+  for (const auto& [id, tool] : scene.tools) tools.emplace(id, tool.tool);
+  return tools;
+}
+
 std::expected<void, SceneToolError> resolve_chords(Scene& scene) {
   const double chord_mm = std::clamp(kChordShare * scene.settings.tolerance_mm,
                                      kChordToleranceMinMm, kChordToleranceMaxMm);

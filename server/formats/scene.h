@@ -122,9 +122,14 @@ struct SceneSource {
 /// a file that cannot be read or is not allowed. If the scene requests a target accuracy, the
 /// values that it leaves out are chosen here (accuracy_choice.h).
 std::expected<Scene, SceneError> parse_scene(std::string_view text, const SceneSource& source);
+/// Reads one tool as in the "tools" of a scene with this tolerance_mm, on which profiles without a
+/// chord tolerance depend. An id is ignored. The paths of errors begin at the tool.
+std::expected<SceneTool, SceneError> parse_scene_tool(std::string_view text, double tolerance_mm);
 /// Reads a scene file. Its folder becomes the base folder.
 std::expected<Scene, SceneError> load_scene(const std::filesystem::path& file);
 
+/// Returns the resolved tools.
+std::map<ToolId, Tool> tools_of(const Scene& scene);
 /// Returns the accuracy in the scene's settings.
 Accuracy accuracy_of(const Scene& scene);
 /// Chooses the accuracy for a target (choose_accuracy) and stores it in `scene.accuracy` and
@@ -150,6 +155,8 @@ std::string scene_json(const Scene& scene);
 std::string stock_json(const Scene& scene);
 /// The "tools" array.
 std::string tools_json(const Scene& scene);
+/// One item of the "tools" array.
+std::string tool_json(ToolId id, const SceneTool& tool);
 /// The "force" object.
 std::string force_json(const Scene& scene);
 /// The "accuracy" object; for a chosen accuracy also "target_mm", "predicted_error_mm" and

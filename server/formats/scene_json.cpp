@@ -279,6 +279,7 @@ std::string scene_json(const Scene& scene) {
 }
 
 std::string stock_json(const Scene& scene) { return text_of(to_json(scene.settings.stock)); }
+std::string tool_json(ToolId id, const SceneTool& tool) { return text_of(to_json(id, tool)); }
 std::string tools_json(const Scene& scene) { return text_of(tools_to_json(scene)); }
 std::string accuracy_json(const Scene& scene) {
   OrderedJson json = accuracy_to_json(scene);

@@ -348,9 +348,10 @@ SceneError json_error(const JsonFault& fault, std::string_view text, const Scene
   return error_at(place_of(text, fault.byte), source, "", "is not valid JSON");
 }
 
-}  // namespace
-
-std::expected<Scene, SceneError> parse_scene(std::string_view text, const SceneSource& source) {
+// Parses bounded JSON and returns what `read` makes of it.
+template <typename Read>
+auto read_text(std::string_view text, const SceneSource& source, Read&& read)
+    -> std::expected<decltype(read(std::declval<const Json&>())), SceneError> {
   if (text.size() > kSceneBytesMax)
     return std::unexpected(SceneError{.file = source.name,
                                       .path = {},
@@ -360,7 +361,7 @@ std::expected<Scene, SceneError> parse_scene(std::string_view text, const SceneS
   const auto json = parse_bounded_json(text, {.depth_max = kSceneDepthMax});
   if (!json) return std::unexpected(json_error(json.error(), text, source));
   try {
-    return read_scene(*static_cast<const Json*>(json->get()), source);
+    return read(*static_cast<const Json*>(json->get()));
   } catch (const SceneRejection& rejection) {
     return std::unexpected(
         error_at(locate_json(text, rejection.path), source, rejection.path, rejection.reason));
@@ -368,6 +369,24 @@ std::expected<Scene, SceneError> parse_scene(std::string_view text, const SceneS
     // Thrown for numbers beyond the range of a double.
     return std::unexpected(error_at({}, source, "", "contains a number that is out of range"));
   }
+}
+
+}  // namespace
+
+std::expected<Scene, SceneError> parse_scene(std::string_view text, const SceneSource& source) {
+  return read_text(text, source, [&](const Json& json) { return read_scene(json, source); });
+}
+
+std::expected<SceneTool, SceneError> parse_scene_tool(std::string_view text, double tolerance_mm) {
+  return read_text(text, {.name = "tool", .base_folder = {}}, [&](const Json& json) {
+    const SceneValue value(&json, "");
+    Scene scene;
+    scene.settings.tolerance_mm = tolerance_mm;
+    scene.tools.emplace(0, read_scene_tool(value));
+    if (const auto resolved = resolve_chords(scene); !resolved)
+      SceneFields(value).reject(resolved.error().error.field, resolved.error().error.reason);
+    return scene.tools.at(0);
+  });
 }
 
 }  // namespace kerf

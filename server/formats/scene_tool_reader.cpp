@@ -130,14 +130,8 @@ ToolId read_id(SceneFields& fields) {
   return static_cast<ToolId>(id);
 }
 
-}  // namespace
-
-void read_scene_tool(const SceneValue& value, std::map<ToolId, SceneTool>& tools) {
-  SceneFields fields(value);
-  const ToolId id = read_id(fields);
-  if (tools.contains(id)) {
-    fields.reject("id", "is " + std::to_string(id) + ", which is already the id of another tool");
-  }
+/// Reads all fields but the id.
+SceneTool read_tool(SceneFields& fields) {
   bool chords = false, holder_chords = false;
   SceneTool tool{
       .shape = read_shape(fields, chords), .body = read_body(fields, holder_chords), .tool = {}};
@@ -147,7 +141,24 @@ void read_scene_tool(const SceneValue& value, std::map<ToolId, SceneTool>& tools
   auto made = make_tool(tool.shape, tool.body);
   if (!made) fields.reject(made.error().field, made.error().reason);
   tool.tool = *std::move(made);
-  tools.emplace(id, std::move(tool));
+  return tool;
+}
+
+}  // namespace
+
+SceneTool read_scene_tool(const SceneValue& value) {
+  SceneFields fields(value);
+  if (fields.find("id")) read_id(fields);
+  return read_tool(fields);
+}
+
+void read_scene_tool(const SceneValue& value, std::map<ToolId, SceneTool>& tools) {
+  SceneFields fields(value);
+  const ToolId id = read_id(fields);
+  if (tools.contains(id)) {
+    fields.reject("id", "is " + std::to_string(id) + ", which is already the id of another tool");
+  }
+  tools.emplace(id, read_tool(fields));
 }
 
 }  // namespace kerf
