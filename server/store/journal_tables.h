@@ -28,7 +28,7 @@ struct JournalTable {
   bool needs_record = false;
 };
 
-inline constexpr std::array<JournalTable, 13> kJournalTables = {{
+inline constexpr std::array<JournalTable, 14> kJournalTables = {{
     {1, "session", TableKind::kSmall, "ttiti", "", ""},
     {2, "participants", TableKind::kSmall, "ittt", "participant", ""},
     {3, "kernel_versions", TableKind::kSmall, "ii", "sequence", ""},
@@ -60,6 +60,10 @@ inline constexpr std::array<JournalTable, 13> kJournalTables = {{
     {13, "program_lines", TableKind::kSmall, "ii", "participant",
      "CREATE TABLE IF NOT EXISTS program_lines(participant INTEGER PRIMARY KEY, line INTEGER NOT "
      "NULL)"},
+    {14, "tools", TableKind::kList, "iiitti", "tool",
+     "CREATE TABLE IF NOT EXISTS tools(tool INTEGER PRIMARY KEY, record INTEGER NOT NULL, "
+     "created_ms INTEGER NOT NULL, json TEXT NOT NULL, author TEXT NOT NULL, crc INTEGER NOT NULL)",
+     true},
 }};
 
 }  // namespace kerf
