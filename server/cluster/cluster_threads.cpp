@@ -52,7 +52,7 @@ std::optional<ShownSession> ClusterNode::Impl::shown(const std::string& id) cons
   if (!session) return std::nullopt;
   const SessionFigures figures = session->figures();
   return ShownSession{.epoch = session->epoch(),
-                      .name = session->scene().name,
+                      .name = session->scene()->name,
                       .motions = figures.motions,
                       .removed_mm3 = figures.removed_mm3,
                       .participants = figures.participants,

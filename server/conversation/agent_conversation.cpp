@@ -51,6 +51,8 @@ void AgentConversation::on_event(const SessionEvent& event) {
   } else if (!event.closing.empty()) {
     say(bye_message(event.closing, event.redirect));
     finish();
+  } else if (self_ && event.tools_changed) {
+    say(tools_message(*session().scene()));
   } else if (self_ && event.carvers_changed) {
     out_.put_participants(carvers_message(session().people().carvers()));
   } else {

@@ -41,7 +41,8 @@ Json participants_json(const std::vector<Participant>& participants) {
 }
 
 Json welcome(const Session& session, const Participant& self) {
-  const Scene& scene = session.scene();
+  const std::shared_ptr<const Scene> shared = session.scene();
+  const Scene& scene = *shared;
   Json json = {{"type", wire::kTypeWelcome},
                {"session", session.id()},
                {"participant", self.id},
@@ -81,9 +82,10 @@ std::string agent_welcome(const Session& session, const Admission& admission,
                       {"resumed", admission.resumed},
                       {"agent_sequence", admission.agent_sequence}};
   }
-  json["accuracy"] = Json::parse(accuracy_json(session.scene()));
-  if (const auto& guides = session.scene().guides; !guides.empty())
-    json["guides"] = Json::parse(guides_json(guides, GuideFiles::kExpanded));
+  const std::shared_ptr<const Scene> scene = session.scene();
+  json["accuracy"] = Json::parse(accuracy_json(*scene));
+  if (!scene->guides.empty())
+    json["guides"] = Json::parse(guides_json(scene->guides, GuideFiles::kExpanded));
   json["rate_hz"] = wire::kMotionRateHz;
   json["limits"] = {
       {"samples_per_message", wire::kMaxSamplesPerMotion},
@@ -100,7 +102,8 @@ std::string viewer_welcome(const Session& session, const Participant& self, cons
                            std::uint32_t budget, std::optional<std::uint64_t> meshes) {
   Json json = welcome(session, self);
   const DexelGrid& grid = session.grid();
-  if (!session.scene().name.empty()) json["name"] = session.scene().name;
+  const std::shared_ptr<const Scene> scene = session.scene();
+  if (!scene->name.empty()) json["name"] = scene->name;
   json["participants"] = participants_json(roster.listed);
   json["viewers"] = roster.viewers;
   json["grid"] = {{"origin_mm", {grid.origin_mm.x, grid.origin_mm.y, grid.origin_mm.z}},

@@ -135,7 +135,7 @@ ApiResponse download(const ApiCall& call) {
   auto download = read_download_request(request);
   if (!download) return error_response(download.error());
   if (auto refused =
-          post_rejection(download->program.style.post, session.scene().machine.kinematics)) {
+          post_rejection(download->program.style.post, session.scene()->machine.kinematics)) {
     return error_response(422, "bad_post", *refused);
   }
   HashedSolid now;
@@ -162,7 +162,7 @@ ApiResponse download(const ApiCall& call) {
       [&](const std::filesystem::path& path, const DownloadCache::Progress& progress,
           const std::stop_token& stop) -> MadeFile {
         if (!download->model) return write_motions(*download, session, now.solid, path, stop);
-        return write_surface(*download, now.solid, session.scene().name, path, progress, stop);
+        return write_surface(*download, now.solid, session.scene()->name, path, progress, stop);
       },
       request.stop);
   if (!file) {
@@ -177,8 +177,8 @@ ApiResponse download(const ApiCall& call) {
   }
   response.file = *file;
   response.content_type = download->kind.content_type;
-  const std::string name =
-      download_name(session.scene().name, session.id(), download->suffix, download->kind.extension);
+  const std::string name = download_name(session.scene()->name, session.id(), download->suffix,
+                                         download->kind.extension);
   response.headers.emplace_back("Content-Disposition", content_disposition(name));
   if (!(*file)->note().empty()) response.headers.emplace_back("Kerf-Model", (*file)->note());
   put_file(request, etag, response);

@@ -45,6 +45,8 @@ class BlockHistory {
   /// Number of the last record read.
   std::uint64_t last() const { return motions_.strokes().last(); }
   const StrokeTable& strokes() const { return motions_.strokes(); }
+  /// The newest definition of each tool in the records read.
+  std::map<ToolId, Tool> tools() const { return motions_.tools(); }
 
   /// Returns the tiles that these strokes may have changed; sorted. Unknown strokes are ignored.
   std::expected<std::vector<FieldTile>, std::string> reach(const StrokeSet& strokes,

@@ -19,6 +19,12 @@ RecordedMotion RecordedMotions::motion_of(const JournalRecord& record) const {
           kerf::motion_of(*move, defined->tool)};
 }
 
+std::map<ToolId, Tool> RecordedMotions::tools() const {
+  std::map<ToolId, Tool> tools;
+  for (const DefinedTool& defined : tools_) tools.insert_or_assign(defined.id, defined.tool);
+  return tools;
+}
+
 std::expected<void, std::string> RecordedMotions::catch_up(
     const std::function<void(std::uint64_t, const RecordedMotion&)>& visit,
     const std::stop_token& stop) {

@@ -65,6 +65,9 @@ class RecordedMotions {
     return (record - 1) / kWindow * kWindow + 1;
   }
 
+  /// The newest definition of each tool in the records read.
+  std::map<ToolId, Tool> tools() const;
+
  private:
   struct DefinedTool {
     std::uint64_t record;

@@ -222,7 +222,7 @@ std::optional<PagePreview> Api::preview_of(const ApiRequest& request) const {
   const auto session = registry_.find(*id);
   // Judge as a stranger: previews are made for strangers, whatever rights this browser has.
   if (!session || !may(access_.identify("", *id).role, Action::kWatch)) return std::nullopt;
-  return PagePreview{session->scene().name + " · Kerf",
+  return PagePreview{session->scene()->name + " · Kerf",
                      (request.is_secure ? "https://" : "http://") + request.host + "/v1/sessions/" +
                          *id + "/picture.png?width=960"};
 }

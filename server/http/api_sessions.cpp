@@ -32,7 +32,8 @@ Json parent_json(const JournalParent& parent) {
 ApiResponse created_response(const Session& session) {
   const std::string url = "/v1/sessions/" + session.id();
   Json json = {{"id", session.id()}, {"url", url}};
-  const Scene& scene = session.scene();
+  const std::shared_ptr<const Scene> shared = session.scene();
+  const Scene& scene = *shared;
   if (scene.accuracy) json["accuracy"] = Json::parse(accuracy_json(scene));
   if (!session.parent().session.empty()) json["parent"] = parent_json(session.parent());
   auto response = json_response(201, to_text(json));
@@ -74,7 +75,7 @@ Json info_json(const Session& session, const SessionInfo& info, const StateHash&
     participants.back()["muted"] = participant.is_muted;
   }
   return {{"id", info.id},
-          {"name", session.scene().name},
+          {"name", session.scene()->name},
           {"url", "/v1/sessions/" + info.id},
           {"created_ms", time_json(session.figures().created_ms)},
           {"active_ms", time_json(session.figures().active_ms)},
@@ -93,10 +94,10 @@ Json info_json(const Session& session, const SessionInfo& info, const StateHash&
           {"damaged", damage_json(session.health())},
           {"followed", session.is_followed()},
           {"disk_bytes", session.disk_bytes()},
-          {"pitch_mm", session.scene().settings.pitch_mm},
-          {"accuracy", Json::parse(accuracy_json(session.scene()))},
-          {"stock", Json::parse(stock_json(session.scene()))},
-          {"tools", Json::parse(tools_json(session.scene()))},
+          {"pitch_mm", session.scene()->settings.pitch_mm},
+          {"accuracy", Json::parse(accuracy_json(*session.scene()))},
+          {"stock", Json::parse(stock_json(*session.scene()))},
+          {"tools", Json::parse(tools_json(*session.scene()))},
           {"participants", participants}};
 }
 
@@ -141,7 +142,7 @@ ApiResponse Api::list_sessions(const ApiCall& call) {
     if (!call.caller.grant.empty() && session->id() != call.caller.session) continue;
     const SessionFigures figures = session->figures();
     list.push_back({{"id", session->id()},
-                    {"name", session->scene().name},
+                    {"name", session->scene()->name},
                     {"url", "/v1/sessions/" + session->id()},
                     {"motions", figures.motions},
                     {"removed_volume_mm3", figures.removed_mm3},

@@ -80,7 +80,7 @@ std::expected<std::shared_ptr<const GougeReference>, Error> parse_target_part(co
   const ApiRequest& request = call.request;
   const Session& session = *call.session;
   const auto tolerance_mm = parse_tolerance(request.query_value("target_tolerance_mm"),
-                                            session.scene().settings.tolerance_mm);
+                                            session.scene()->settings.tolerance_mm);
   if (!tolerance_mm) return std::unexpected(tolerance_mm.error());
   const std::string* name = request.query_value("target");
   if (name == nullptr) return nullptr;
@@ -120,8 +120,9 @@ ApiResponse start_program(const ApiCall& call) {
   if (!memory || !text_memory) return out_of_memory();
   const auto kept =
       std::make_shared<ProgramText>(request.body, ProgramPath{}, *std::move(text_memory));
-  ProgramSurvey survey(kPathPointsMax, rate_hz, dynamics_of(session.scene().machine), request.stop);
-  auto read = read_program(name, kept->text, session.scene(), *environment, survey);
+  ProgramSurvey survey(kPathPointsMax, rate_hz, dynamics_of(session.scene()->machine),
+                       request.stop);
+  auto read = read_program(name, kept->text, *session.scene(), *environment, survey);
   if (!read) return program_failure(read.error());
   if (rate_hz && survey.duration_s() * *rate_hz >= kSamplesMax) {
     return error_response(413, "too_large", "the program has too many motions at this sample_hz");

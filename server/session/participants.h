@@ -33,6 +33,7 @@ struct SessionEvent {
   ParticipantId replaced = 0;
   /// This participant must leave for the reason in `closing`. 0 with a reason: all must.
   ParticipantId removed = 0;
+  bool tools_changed = false;  ///< a tool was made
 };
 using SessionListener = std::function<void(const SessionEvent&)>;
 

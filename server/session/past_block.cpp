@@ -13,15 +13,21 @@ namespace {
 /// Number of records read at a time.
 constexpr std::size_t kAhead = 4096;
 
+/// Defines the tools that a block does not have.
+std::expected<void, std::string> define_tools(const std::map<ToolId, Tool>& tools,
+                                              Sculpture& block) {
+  for (const auto& [id, tool] : tools) {
+    if (block.tool(id) != nullptr) continue;
+    if (auto ok = block.apply(DefineTool{id, tool}); !ok) return std::unexpected(ok.error().reason);
+  }
+  return {};
+}
+
 /// Returns the block of a scene before its first record, with its tools.
 std::expected<Sculpture, std::string> untouched_block(const Scene& scene) {
   auto block = Sculpture::create(scene.settings);
   if (!block) return std::unexpected(block.error().reason);
-  for (const auto& [id, tool] : scene.tools) {
-    if (auto ok = block->apply(DefineTool{id, tool.tool}); !ok) {
-      return std::unexpected(ok.error().reason);
-    }
-  }
+  if (auto ok = define_tools(tools_of(scene), *block); !ok) return std::unexpected(ok.error());
   return *std::move(block);
 }
 
@@ -39,7 +45,7 @@ PastBlock::PastBlock(std::unique_ptr<PastSource> source, Sculpture block)
     : source_(std::move(source)), block_(std::move(block)) {}
 
 std::expected<PastBlock, std::string> PastBlock::create(std::unique_ptr<PastSource> source) {
-  auto block = untouched_block(source->scene());
+  auto block = untouched_block(*source->scene());
   if (!block) return std::unexpected(block.error());
   return PastBlock(std::move(source), *std::move(block));
 }
@@ -60,6 +66,8 @@ std::expected<bool, std::string> PastBlock::take(std::uint64_t record, const Til
   const auto time = source_->time_of(record);
   if (!time) return std::unexpected(time.error());
   if (auto ok = replace(**tiles); !ok) return std::unexpected(ok.error());
+  // The records that were skipped may have defined tools.
+  if (auto ok = define_tools(source_->tools(), block_); !ok) return std::unexpected(ok.error());
   record_ = record;
   time_ms_ = *time;
   is_torn_ = false;
@@ -70,7 +78,7 @@ std::expected<bool, std::string> PastBlock::take(std::uint64_t record, const Til
 std::expected<void, std::string> PastBlock::replace(std::span<const TileReplacement> tiles) {
   const bool was_torn = std::exchange(is_torn_, true);
   if (was_torn) {
-    auto untouched = untouched_block(source_->scene());
+    auto untouched = untouched_block(*source_->scene());
     if (!untouched) return std::unexpected(untouched.error());
     block_ = *std::move(untouched);
   }

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <map>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -20,7 +22,10 @@ class PastSource {
  public:
   virtual ~PastSource() = default;
 
-  virtual const Scene& scene() const = 0;
+  /// The scene, with the tools that were made so far.
+  virtual std::shared_ptr<const Scene> scene() const = 0;
+  /// The tools that the records may use up to the last one asked for.
+  virtual std::map<ToolId, Tool> tools() { return tools_of(*scene()); }
   /// Returns all tiles that motions reach, as of a record. Nullopt if there is no such record yet.
   virtual std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_at(
       std::uint64_t record, const std::stop_token& stop) = 0;

@@ -7,6 +7,7 @@
 #include "server/history/recorded_block.h"
 #include "server/platform/clock.h"
 #include "server/session/hash_text.h"
+#include "server/session/made_tool.h"
 #include "server/store/block_snapshot.h"
 #include "server/store/journal_base.h"
 
@@ -39,6 +40,8 @@ std::expected<Scene, JournalError> journal_scene(const JournalReader& reader,
     return std::unexpected(
         corrupt(file, 0, "the stored scene is invalid: " + to_string(scene.error())));
   }
+  const auto made = reader.lists().find(kMadeToolsTable);
+  if (made != reader.lists().end()) add_made_tools(made->second, *scene);
   return *std::move(scene);
 }
 

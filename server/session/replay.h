@@ -61,8 +61,9 @@ std::expected<Replayed, JournalError> replay(const std::filesystem::path& file,
 std::expected<Replayed, JournalError> restore(const std::filesystem::path& file,
                                               const std::stop_token& stop = {});
 
-/// Parses the scene of a journal. It was valid when it was stored, so an invalid scene is reported
-/// as kCorrupt. Fails with kIo soon after a stop was requested.
+/// Parses the scene of a journal, and adds the tools that were made since (made_tool.h). It was
+/// valid when it was stored, so an invalid scene is reported as kCorrupt. Fails with kIo soon after
+/// a stop was requested.
 std::expected<Scene, JournalError> journal_scene(const JournalReader& reader,
                                                  const std::filesystem::path& file,
                                                  const std::stop_token& stop = {});

@@ -2,12 +2,23 @@
 #include "server/session/session.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "kernel/cut/workers.h"
 
 namespace kerf {
 namespace {
+
+SessionTools& add_tools(Scene scene, std::span<const ListRow> rows, Sculpture& sculpture,
+                        SessionJournal& journal, Participants& participants,
+                        SessionMatters& matters) {
+  auto tools =
+      std::make_unique<SessionTools>(std::move(scene), rows, sculpture, journal, participants);
+  SessionTools& added = *tools;
+  matters.add(std::move(tools));
+  return added;
+}
 
 Rejection session_closed() { return {wire::ErrorCode::kUnknownSession, "the session is closed"}; }
 
@@ -18,13 +29,12 @@ Session::Session(std::string id, Replayed replayed, SessionJournal journal, Sess
                  std::span<const MakeMatter> matters)
     : executor_(std::move(executor)),
       id_(std::move(id)),
-      scene_(std::move(replayed.scene)),
       sculpture_(std::move(replayed.sculpture)),
       limits_(limits),
       journal_(std::move(journal)),
       past_(sculpture_.settings(), std::move(replayed.start), replayed.base, journal_, *executor_,
             SessionOwner([this] { return weak_from_this(); })),
-      participants_(limits_, sculpture_, journal_, scene_.tools.begin()->first,
+      participants_(limits_, sculpture_, journal_, replayed.scene.tools.begin()->first,
                     replayed.last_participant, std::move(replayed.resumable)),
       carving_(limits_, sculpture_, journal_, participants_),
       stroke_changes_({*executor_, sculpture_, journal_, past_, participants_, carving_}, workers,
@@ -47,6 +57,8 @@ Session::Session(std::string id, Replayed replayed, SessionJournal journal, Sess
               [this] { return is_between_records(); }),
       replicas_(sculpture_, participants_),
       matters_(matters, journal_),
+      tools_(add_tools(std::move(replayed.scene), replayed.lists[kMadeToolsTable], sculpture_,
+                       journal_, participants_, matters_)),
       parent_(std::move(replayed.parent)) {
   matters_.restore(replayed.lists);
   participants_.defer_changes([this] { report_changes(); });

@@ -29,6 +29,7 @@
 #include "server/session/session_past.h"
 #include "server/session/session_places.h"
 #include "server/session/session_programs.h"
+#include "server/session/session_tools.h"
 #include "server/session/shown_figures.h"
 #include "server/session/snapshot_keeper.h"
 #include "server/session/snapshot_schedule.h"
@@ -59,7 +60,8 @@ class Session : public std::enable_shared_from_this<Session> {
 
   // ---- any thread ----
   const std::string& id() const { return id_; }
-  const Scene& scene() const { return scene_; }
+  /// The scene as of now. It grows by the tools that are made: keep the pointer, not parts of it.
+  std::shared_ptr<const Scene> scene() const { return tools_.scene(); }
   std::uint32_t epoch() const { return journal_.epoch(); }
   /// The session from which this one was branched; empty id if none.
   const JournalParent& parent() const { return parent_; }
@@ -167,6 +169,8 @@ class Session : public std::enable_shared_from_this<Session> {
   StockReplicas& replicas() { return replicas_; }
   /// The programs, each of which carves as a participant.
   SessionPrograms& programs() { return programs_; }
+  /// The tools, those that were made among them.
+  SessionTools& tools() { return tools_; }
   /// The lists that people keep with the block.
   SessionMatters& matters() { return matters_; }
 
@@ -216,7 +220,6 @@ class Session : public std::enable_shared_from_this<Session> {
 
   std::shared_ptr<Executor> executor_;  ///< first, so that it is destroyed last
   std::string id_;
-  Scene scene_;
   Sculpture sculpture_;
   SessionLimits limits_;
   SessionJournal journal_;
@@ -236,6 +239,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::optional<JournalErrorCode> reached_;      ///< the disk limit that has been reached
   Clock::time_point changes_reported_{};
   SessionMatters matters_;
+  SessionTools& tools_;  ///< one of the matters
   JournalParent parent_;
   std::optional<LiveState> live_;  ///< followed session: the newest statement of its owner
   std::string live_programs_sent_;

@@ -28,10 +28,10 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::branch(
   if (auto flushed = parent.flush(); !flushed) {
     return std::unexpected(registry_error(flushed.error()));
   }
-  const auto reserved = reserve(std::move(id), parent.scene().name);
+  const auto reserved = reserve(std::move(id), parent.scene()->name);
   if (!reserved) return std::unexpected(reserved.error());
   // Always include the first records: they define the tools, without which nobody could cut.
-  const std::uint64_t last = std::max<std::uint64_t>(record, parent.scene().tools.size());
+  const std::uint64_t last = std::max<std::uint64_t>(record, parent.tools().first_tools());
   const JournalParent point{parent.id(), last, parent.epoch(), Clock::wall_ms()};
   const auto write = [&](const std::string& branch) {
     return branch_journal(parent.journal_file(), journal_path(branch), branch, point);

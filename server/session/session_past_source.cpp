@@ -16,7 +16,7 @@ class SessionPastSource final : public PastSource {
   explicit SessionPastSource(std::shared_ptr<Session> session)
       : session_(std::move(session)), records_(journal_records(session_->journal_file())) {}
 
-  const Scene& scene() const override { return session_->scene(); }
+  std::shared_ptr<const Scene> scene() const override { return session_->scene(); }
 
   std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_at(
       std::uint64_t record, const std::stop_token& stop) override {

@@ -139,7 +139,7 @@ ApiResponse set_target(const ApiCall& call) {
   parts_of(call).attach(*call.session, put->name);
   (void)call.session->flush();
   Json json = shown_facts(*put, call.caller);
-  const BoxStock stock = stock_bounds(call.session->scene().settings.stock);
+  const BoxStock stock = stock_bounds(call.session->scene()->settings.stock);
   if (const auto question =
           unit_question("unit", as, {put->min_mm, put->max_mm}, greatest_side_mm(stock)))
     json["questions"] = Json::parse(questions_json({*question}));

@@ -30,6 +30,7 @@ inline constexpr std::string_view kTypeParticipantsChanged = "participants_chang
 inline constexpr std::string_view kTypeState = "state";
 inline constexpr std::string_view kTypePrograms = "programs";
 inline constexpr std::string_view kTypeCameras = "cameras";
+inline constexpr std::string_view kTypeTools = "tools";
 inline constexpr std::string_view kTypeError = "error";
 inline constexpr std::string_view kTypeBye = "bye";
 inline constexpr std::string_view kTypeServers = "servers";

@@ -34,7 +34,7 @@ TEST_F(ApiRightsTest, LinkPreviewsNeedAPubliclyVisibleSession) {
   };
   EXPECT_EQ(page("/?session=block", kAdmin), "");
   open(kAdmin, true);  // strangers watch
-  const std::string name = session->scene().name;
+  const std::string name = session->scene()->name;
   const std::string shown = page("/?session=block", "");
   EXPECT_TRUE(shown.contains("<meta property=\"og:title\" content=\"" + name + " · Kerf\">"))
       << shown;

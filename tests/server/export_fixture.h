@@ -21,13 +21,13 @@ class SessionExport : public SessionUndo {
   /// Returns the hash of the block that the exported program carves.
   std::uint64_t carved(ProgramFormat format) {
     const std::string name = format == ProgramFormat::kApt ? "export.apt" : "export.ngc";
-    const auto program = parse_program(name, exported(format), session_->scene());
+    const auto program = parse_program(name, exported(format), *session_->scene());
     if (!program) {
       ADD_FAILURE() << to_string(program.error());
       return 0;
     }
-    Sculpture block = Sculpture::create(session_->scene().settings).value();
-    for (const auto& [id, tool] : session_->scene().tools) {
+    Sculpture block = Sculpture::create(session_->scene()->settings).value();
+    for (const auto& [id, tool] : session_->scene()->tools) {
       block.apply(DefineTool{id, tool.tool}).value();
     }
     for (const ProgramMotion& motion : program->motions) {

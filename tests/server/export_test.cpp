@@ -35,7 +35,7 @@ class ExportOfRests : public SessionExport {
   /// Returns the durations of the dwells of an exported program, s.
   std::vector<double> dwells(ProgramFormat format) {
     const auto program = parse_program(format == ProgramFormat::kApt ? "x.apt" : "x.ngc",
-                                       exported(format), session_->scene());
+                                       exported(format), *session_->scene());
     std::vector<double> dwells;
     for (const ProgramMotion& motion : program.value().motions) {
       if (motion.from == motion.to) dwells.push_back(motion.duration_s);
@@ -85,7 +85,7 @@ TEST_F(ExportOfRests, RestsThatCutNothingAreNotWritten) {
 TEST_F(ExportOfRests, DwellsOfAProgramAreKept) {
   const std::string text =
       "G21 G90 G94 T1 M6\nG0 X0 Y0 Z5\nG1 Z-3 F600\nG4 P0.25\nG0 Z5\nG4 P0.5\nX5\nM2\n";
-  const auto program = parse_program("drill.ngc", text, session_->scene());
+  const auto program = parse_program("drill.ngc", text, *session_->scene());
   ASSERT_TRUE(program);
   ASSERT_TRUE(session_->programs().start(*program, {ProgramPace::kFast}));
   executor_->run();
@@ -104,7 +104,7 @@ TEST_F(SessionExport, ConcurrentUndoLeavesAConsistentExport) {
     while (!ends) {
       std::ostringstream text;
       EXPECT_TRUE(export_program(session_->journal_file(), {}, text));
-      const auto program = parse_program("export.ngc", text.str(), session_->scene());
+      const auto program = parse_program("export.ngc", text.str(), *session_->scene());
       std::set<double> strokes;
       for (const ProgramMotion& motion : program.value().motions)
         strokes.insert(motion.to.tip_mm.y);

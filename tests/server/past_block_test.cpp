@@ -56,7 +56,7 @@ class BusySource final : public PastSource {
  public:
   BusySource(std::unique_ptr<PastSource> source, const bool& is_busy)
       : source_(std::move(source)), is_busy_(is_busy) {}
-  const Scene& scene() const override { return source_->scene(); }
+  std::shared_ptr<const Scene> scene() const override { return source_->scene(); }
   std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_at(
       std::uint64_t record, const std::stop_token& stop) override {
     if (is_busy_) return std::unexpected(kOthersAskHistory);

@@ -130,7 +130,7 @@ TEST_F(SessionTest, CrashingProgramListsAlarmsWithPositions) {
                                    "G0 Y10\n"       // line 5
                                    "G1 Z-6 F600\n"  // 2 mm deeper than the tool cuts
                                    "G1 Z9\nM2\n",
-                                   session->scene()));
+                                   *session->scene()));
   const auto id = session->programs().start(program, {})->id;
   while (session->programs().status(id)->state == ProgramState::kRunning) executor->run();
   const ProgramStatus status = *session->programs().status(id);

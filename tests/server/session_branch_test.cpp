@@ -111,10 +111,10 @@ TEST_F(Branches, UndoStrokesOfTheParent) {
 TEST_F(Branches, FromTheUntouchedBlockHaveItsTools) {
   carve();
   session_ = branch("fresh", 0);
-  EXPECT_EQ(hash(), Sculpture::create(session_->scene().settings)->state_hash());
+  EXPECT_EQ(hash(), Sculpture::create(session_->scene()->settings)->state_hash());
   stroke(join("Cy"), {-15, 0, -2}, {15, 0, -2});
   EXPECT_EQ(hash(), never_happened());
-  EXPECT_NE(hash(), Sculpture::create(session_->scene().settings)->state_hash());
+  EXPECT_NE(hash(), Sculpture::create(session_->scene()->settings)->state_hash());
 }
 
 TEST_F(Branches, HaveNoAgentsOfTheParent) {
@@ -161,7 +161,7 @@ TEST_F(Branches, FromVersion1HaveItsRecords) {
   const auto copied = JournalReader::open(copy);
   EXPECT_EQ(copied->last_sequence(), 30U);
   EXPECT_EQ(copied->header().session, "copy");
-  Sculpture block = Sculpture::create(session_->scene().settings).value();
+  Sculpture block = Sculpture::create(session_->scene()->settings).value();
   for (std::size_t n = 0; n < 30; ++n) block.apply(*kernel_command(records[n].command)).value();
   EXPECT_EQ(replay(copy)->hash.hash, block.state_hash());
 }

@@ -247,7 +247,7 @@ TEST_F(SessionTest, AgentsAreServedBetweenProgramSlices) {
   const auto id = join(*session);
   std::string text = "G21 G90 T2 M6\n";
   for (int i = 0; i < 3000; ++i) text += "G1 X" + std::to_string(i % 30) + " Y0 Z-1 F1000\n";
-  const auto program = test::value_of(parse_program("long.ngc", text + "M2\n", session->scene()));
+  const auto program = test::value_of(parse_program("long.ngc", text + "M2\n", *session->scene()));
   const auto run = test::value_of(session->programs().start(program, {ProgramPace::kFast}));
   executor->run_one();
   EXPECT_EQ(session->programs().status(run.id)->state, ProgramState::kRunning);
@@ -286,7 +286,7 @@ TEST_F(SessionTest, ExportedProgramCarvesTheSameSolid) {
     std::stringstream text;
     ASSERT_TRUE(export_program(session->journal_file(), {.style = {.format = format}}, text));
     const auto program = test::value_of(parse_program(
-        format == ProgramFormat::kApt ? "x.apt" : "x.ngc", text.str(), session->scene()));
+        format == ProgramFormat::kApt ? "x.apt" : "x.ngc", text.str(), *session->scene()));
     const auto other = test::value_of(registry->create("", kScene, SceneSource{}));
     ASSERT_TRUE(other->programs().start(program, {ProgramPace::kFast}));
     executor->run();

@@ -133,7 +133,7 @@ TEST_F(SessionUndo, AnUndoneStrokeIsNotContinued) {
   EXPECT_TRUE(again.rejections.empty());
   EXPECT_GT(again.result.removed_mm3, 0);
   EXPECT_EQ(hash(), never_happened());
-  EXPECT_NE(hash(), Sculpture::create(session_->scene().settings)->state_hash());
+  EXPECT_NE(hash(), Sculpture::create(session_->scene()->settings)->state_hash());
 }
 
 TEST_F(SessionUndo, ToolElsewhereContinuesToCut) {
@@ -276,9 +276,9 @@ TEST_F(SessionUndo, ExportsLeaveUndoneStrokesOut) {
   ASSERT_TRUE(session_->flush());
   std::ostringstream text, forces;
   ASSERT_TRUE(export_program(session_->journal_file(), {}, text));
-  const auto program = test::value_of(parse_program("export.ngc", text.str(), session_->scene()));
-  Sculpture block = Sculpture::create(session_->scene().settings).value();
-  for (const auto& [id, tool] : session_->scene().tools) {
+  const auto program = test::value_of(parse_program("export.ngc", text.str(), *session_->scene()));
+  Sculpture block = Sculpture::create(session_->scene()->settings).value();
+  for (const auto& [id, tool] : session_->scene()->tools) {
     block.apply(DefineTool{id, tool.tool}).value();
   }
   for (const ProgramMotion& motion : program.motions) {

@@ -69,7 +69,8 @@ TEST_F(SessionWalls, SaysWhetherTheTargetHoldsAtThinWalls) {
   EXPECT_EQ(lost["kept"], false);
   EXPECT_LE(lost["needs_pitch_mm"], 0.205);
   // The information that every session states names the exception.
-  EXPECT_THAT(accuracy_json(session->scene()), HasSubstr("more where a wall or groove is thinner"));
+  EXPECT_THAT(accuracy_json(*session->scene()),
+              HasSubstr("more where a wall or groove is thinner"));
 }
 
 }  // namespace

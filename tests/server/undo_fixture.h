@@ -132,7 +132,7 @@ class SessionUndo : public testing::Test {
         undone.erase(change->stroke);
       }
     }
-    Sculpture block = Sculpture::create(session_->scene().settings).value();
+    Sculpture block = Sculpture::create(session_->scene()->settings).value();
     for (const JournalRecord& past : records) {
       const auto command = kernel_command(past.command);
       if (command && !undone.contains(past.stroke)) block.apply(*command).value();

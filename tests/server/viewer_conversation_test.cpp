@@ -38,7 +38,7 @@ TEST_F(ViewerConversationTest, AHelloIsAnActionThatIsAnsweredAfterTheJoin) {
   EXPECT_EQ(list[0].at("type"), "welcome");
   EXPECT_EQ(list[0].at("color"), "#112233");
   EXPECT_TRUE(list[0].contains("grid"));
-  EXPECT_EQ(list[0].at("name"), session->scene().name);
+  EXPECT_EQ(list[0].at("name"), session->scene()->name);
 }
 
 TEST_F(ViewerConversationTest, QueuedViewerNeedsNoSecondHello) {

@@ -309,8 +309,8 @@ TEST_F(ResumeProperty, EachSampleIsCutOnceThroughAnyNumberOfServerKills) {
     }
     ASSERT_TRUE(settled);
     const auto applied = journaled(*world.session);
-    Sculpture uninterrupted = Sculpture::create(world.session->scene().settings).value();
-    for (const auto& [tool_id, tool] : world.session->scene().tools) {
+    Sculpture uninterrupted = Sculpture::create(world.session->scene()->settings).value();
+    for (const auto& [tool_id, tool] : world.session->scene()->tools) {
       ASSERT_TRUE(uninterrupted.apply(DefineTool{tool_id, tool.tool}));
     }
     for (const Carver& carver : carvers) {

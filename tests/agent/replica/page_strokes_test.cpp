@@ -48,7 +48,7 @@ class PageStrokes : public SessionUndo, public testing::WithParamInterface<const
     create(scene(GetParam(), box));
     request_.stock = request_.whole = request_.returned = request_.durable = true;
     connect();
-    page_.emplace(PageBlock::open(welcome_of(session_->scene())).value());
+    page_.emplace(PageBlock::open(welcome_of(*session_->scene())).value());
     bo_ = join("Bo");
   }
   void connect() {

@@ -56,7 +56,7 @@ class ReplicaTest : public SessionTest, public testing::WithParamInterface<const
             .value()
             .id;
     other_ = join(*session_, "other");
-    auto source = test::value_of(BlockSource::read(welcome_of(session_->scene())));
+    auto source = test::value_of(BlockSource::read(welcome_of(*session_->scene())));
     replica_.emplace(std::move(source));
   }
 
@@ -312,18 +312,18 @@ INSTANTIATE_TEST_SUITE_P(Rays, ReplicaTest, testing::Values("dexel", "tri-dexel"
 
 TEST_F(SessionTest, ReplicaDoesNotAnswerWhereTilesAreUnknown) {
   const auto session = start();
-  auto source = test::value_of(BlockSource::read(welcome_of(session->scene())));
+  auto source = test::value_of(BlockSource::read(welcome_of(*session->scene())));
   Replica replica(std::move(source));
   EXPECT_FALSE(replica.move(next(0, 0, -1)));
   EXPECT_FALSE(replica.move(next(0.1, 0, -1)));
   EXPECT_EQ(replica.tiles_known(), 0U);
-  Replica beside(*BlockSource::read(welcome_of(session->scene())));
+  Replica beside(*BlockSource::read(welcome_of(*session->scene())));
   EXPECT_TRUE(beside.move(next(60, 0, -1))) << "no tiles are needed outside the block";
 }
 
 TEST_F(SessionTest, ReplicaRejectsInvalidTiles) {
   const auto session = start();
-  Replica replica(*BlockSource::read(welcome_of(session->scene())));
+  Replica replica(*BlockSource::read(welcome_of(*session->scene())));
   const std::uint64_t before = SolidSnapshot(session->solid()).hash();
   const std::array<std::byte, 1> garbage{std::byte{3}};
   wire::StockPatch patch{.tiles = {{2, 1, 1, garbage}}};
@@ -343,7 +343,7 @@ TEST_F(SessionTest, IncompleteWelcomeIsRejected) {
   const auto session = start();
   EXPECT_FALSE(BlockSource::read("{}"));
   EXPECT_FALSE(BlockSource::read("not json"));
-  std::string text = welcome_of(session->scene());
+  std::string text = welcome_of(*session->scene());
   text.replace(text.find("\"ball\""), 6, "\"spoon\"");
   const auto error = test::error_of(BlockSource::read(text));
   EXPECT_NE(error.find("spoon"), std::string::npos) << error;

@@ -46,7 +46,7 @@ class ReplicaUndo : public SessionUndo, public testing::WithParamInterface<const
     const Admission admission = session_->admit(request_).value();
     ada_ = admission.participant.id;
     request_.token = admission.token;
-    replica_.emplace(BlockSource::read(welcome_of(session_->scene())).value());
+    replica_.emplace(BlockSource::read(welcome_of(*session_->scene())).value());
   }
   /// Moves Ada's tool: in the replica now, in the session `delay_ms_` later.
   std::optional<wire::Result> ada(Vec3 tip, bool cuts = true) {

@@ -124,7 +124,7 @@ void TestBed::another_cuts_to(Vec3 tip_mm) {
   sample.agent_sequence = ++another_sequence_;
   sample.time_us = now_us_;
   sample.tip_mm = tip_mm;
-  sample.tool_id = session_->scene().tools.begin()->first;
+  sample.tool_id = session_->scene()->tools.begin()->first;
   sample.buttons = wire::kButtonCutting;
   std::vector<std::byte> bytes;
   wire::append(bytes, {}, batch);

@@ -18,6 +18,12 @@ constexpr HistoryMemory kMemory{.windows = 64, .tile_bytes = std::size_t{128} <<
 LogPast::LogPast(std::shared_ptr<const Scene> scene, std::shared_ptr<const RecordLog> log)
     : scene_(std::move(scene)), log_(std::move(log)) {}
 
+std::map<ToolId, Tool> LogPast::tools() {
+  std::map<ToolId, Tool> tools = tools_of(*scene_);
+  if (history_) tools.merge(history_->tools());
+  return tools;
+}
+
 Tiles LogPast::tiles_at(std::uint64_t record, const std::stop_token& stop) {
   if (record > log_->last()) return std::nullopt;
   if (auto read = read_history(stop); !read) return std::unexpected(read.error());

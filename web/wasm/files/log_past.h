@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/formats/scene.h"
@@ -22,7 +24,10 @@ class LogPast final : public PastSource {
  public:
   LogPast(std::shared_ptr<const Scene> scene, std::shared_ptr<const RecordLog> log);
 
-  const Scene& scene() const override { return *scene_; }
+  std::shared_ptr<const Scene> scene() const override { return scene_; }
+  /// The scene has got a tool.
+  void take_scene(std::shared_ptr<const Scene> scene) { scene_ = std::move(scene); }
+  std::map<ToolId, Tool> tools() override;
   std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_at(
       std::uint64_t record, const std::stop_token& stop) override;
   std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_after(
