@@ -10,6 +10,7 @@
 #include "server/programs/program_routes.h"
 #include "server/strokes/stroke_routes.h"
 #include "server/targets/target_routes.h"
+#include "server/tools/tool_routes.h"
 #include "server/versions/version_routes.h"
 #include "server/versions/versions.h"
 
@@ -22,9 +23,16 @@ struct Registered {
 };
 
 constexpr Registered kMatters[] = {
-    {&Versions::make, &http_versions}, {&Pins::make, &http_pins}, {nullptr, &http_targets},
-    {nullptr, &http_programs},         {nullptr, &http_strokes},  {nullptr, &http_people},
-    {nullptr, &http_downloads},        {nullptr, &http_pictures}, {nullptr, &http_probe},
+    {&Versions::make, &http_versions},
+    {&Pins::make, &http_pins},
+    {nullptr, &http_targets},
+    {nullptr, &http_programs},
+    {nullptr, &http_strokes},
+    {nullptr, &http_people},
+    {nullptr, &http_downloads},
+    {nullptr, &http_pictures},
+    {nullptr, &http_probe},
+    {nullptr, &http_tools},
 };
 
 }  // namespace

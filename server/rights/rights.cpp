@@ -26,6 +26,7 @@ constexpr std::array kRows = {
     Row{Action::kDownload, "download", ".xxxxx", "models, programs, forces, the journal"},
     Row{Action::kCarve, "carve", ".x.xxx", "join as an agent and cut; guests within limits"},
     Row{Action::kUndo, "undo", "...xxx", "undo and redo one's own strokes"},
+    Row{Action::kMakeTools, "make_tools", "...xxx", "make tools for the session"},
     Row{Action::kNameVersions, "name_versions", "...xxx",
         "name versions of the block; rename and delete one's own"},
     Row{Action::kPlacePins, "place_pins", "...xxx", "set pins on the block; remove one's own"},

@@ -21,6 +21,7 @@ enum class Action : std::uint8_t {
   kDownload,
   kCarve,
   kUndo,
+  kMakeTools,
   kNameVersions,
   kPlacePins,
   kRunPrograms,

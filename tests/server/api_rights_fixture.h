@@ -39,10 +39,12 @@ class ApiRightsTest : public testing::Test {
     }
     tokens[Role::kAdministrator] = admin;
   }
-  ApiResponse ask(const std::string& method, std::string_view target, const std::string& token) {
+  ApiResponse ask(const std::string& method, std::string_view target, const std::string& token,
+                  const std::string& body = {}) {
     ApiRequest request = *parse_target(target);
     request.method = method;
     request.token = token;
+    request.body = body;
     return api->handle(request);
   }
   Json made(const std::string& method, std::string_view target, const std::string& token,
