@@ -49,6 +49,25 @@ std::expected<BlockSource, std::string> BlockSource::read(std::string_view welco
   return source;
 }
 
+std::expected<std::map<ToolId, Tool>, std::string> BlockSource::add_tools(
+    std::string_view message) {
+  std::map<ToolId, Tool> added;
+  try {
+    const json parsed = json::parse(message);
+    for (const json& item : parsed.at("tools")) {
+      const ToolId id = item.at("id");
+      if (tools_.contains(id)) continue;
+      const auto tool = parse_scene_tool(item.dump(), settings_.tolerance_mm);
+      if (!tool) return std::unexpected(to_string(tool.error()));
+      added.emplace(id, tool->tool);
+    }
+  } catch (const json::exception& error) {
+    return std::unexpected(error.what());
+  }
+  tools_.insert(added.begin(), added.end());
+  return added;
+}
+
 double BlockSource::full_cut_mm2(ToolId tool) const {
   const auto found = tools_.find(tool);
   if (found == tools_.end()) return 0;

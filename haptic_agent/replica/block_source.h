@@ -16,6 +16,9 @@ class BlockSource {
   /// Parses the text of a welcome. The error is one sentence.
   static std::expected<BlockSource, std::string> read(std::string_view welcome);
 
+  /// Adds the tools of a `tools` message that are new. Returns them; the error is one sentence.
+  std::expected<std::map<ToolId, Tool>, std::string> add_tools(std::string_view message);
+
   /// Lets the block keep the normals that meshes need (mesh_tile). The forces need none.
   void keep_normals() { settings_.keep_normals = true; }
 

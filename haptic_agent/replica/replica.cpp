@@ -38,6 +38,17 @@ FieldTile place_of(const wire::StockTile& tile) {
 Replica::Replica(BlockSource source)
     : source_(std::move(source)), block_(source_.make()), others_(block_.settings().pitch_mm) {}
 
+std::expected<void, std::string> Replica::define_tools(std::string_view message) {
+  const auto added = source_.add_tools(message);
+  if (!added) return std::unexpected(added.error());
+  for (const auto& [id, tool] : *added) {
+    const DefineTool define{id, tool};
+    block_.apply(define).value();
+    if (stock_) stock_->apply(define).value();
+  }
+  return {};
+}
+
 bool Replica::is_known(const DexelField& field, std::size_t n, const TileRegion& region) {
   const TileRegion& before = known_region_[n];
   const bool all = region.all_of([&](TileIndex tile) {

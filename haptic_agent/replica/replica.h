@@ -37,6 +37,8 @@ class Replica {
   /// Adds the poses of other tools nearby. The force of the next samples is that of a block without
   /// their expected cuts.
   void take(const wire::Intents& intents) { others_.take(intents, track_.time_us()); }
+  /// Defines the tools of a `tools` message that are new. The error is one sentence.
+  std::expected<void, std::string> define_tools(std::string_view message);
   /// Compares the force of an answer of the server; see Agreement::compare.
   void compare(std::uint64_t agent_time_us, Vec3 force_n) {
     agreement_.compare(agent_time_us, force_n);

@@ -48,6 +48,14 @@ KERF_EXPORT(kerf_open) std::uint32_t kerf_open() {
   return static_cast<std::uint32_t>(g_output.size());
 }
 
+KERF_EXPORT(kerf_tools) std::uint32_t kerf_tools() {
+  g_output.clear();
+  const auto defined =
+      g_block->define_tools({reinterpret_cast<const char*>(g_input.data()), g_input.size()});
+  if (!defined) append(std::span<const char>(defined.error()));
+  return static_cast<std::uint32_t>(g_output.size());
+}
+
 KERF_EXPORT(kerf_take) bool kerf_take() { return g_block->take(g_input); }
 
 KERF_EXPORT(kerf_force) double kerf_force() { return g_block->force_n(); }

@@ -19,6 +19,9 @@ const std::byte* kerf_output();
 /// the output: why it cannot.
 std::uint32_t kerf_open();
 
+/// PageBlock::define_tools of the message in the input. Returns as kerf_open does.
+std::uint32_t kerf_tools();
+
 /// PageBlock::take of the frame in the input. This and the others below need an open block.
 bool kerf_take();
 

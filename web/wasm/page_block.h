@@ -30,6 +30,11 @@ class PageBlock {
   /// Reads the text of an agent's welcome. The error is one sentence.
   static std::expected<PageBlock, std::string> open(std::string_view welcome);
 
+  /// Defines the tools of a `tools` message that are new. The error is one sentence.
+  std::expected<void, std::string> define_tools(std::string_view message) {
+    return replica_.define_tools(message);
+  }
+
   /// Takes a frame as it was sent: cuts the motions of the page, takes the stock of the server, and
   /// compares the results of the server with its own. Frames of other types have no effect. Returns
   /// false if the page must ask for a reset of its stock: the frame is malformed, or the copy has

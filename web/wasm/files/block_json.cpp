@@ -96,6 +96,10 @@ std::string JournalBlock::about() const {
   json["machining_s"] = 0;
   json["notes"] = json["warnings"] = Json::array();
   json["kernel_version"] = kKernelVersion;
+  json["made"] = Json::array();
+  for (const MadeHere& made : made_)
+    json["made"].push_back(
+        {{"tool", made.id}, {"record", made.record}, {"created_ms", made.wall_ms}});
   return text_of(json);
 }
 

@@ -149,6 +149,15 @@ KERF_EXPORT(kerf_change) std::uint32_t kerf_change(std::uint32_t undone, double 
   return put_error(g_journal->change_by_hand(undone != 0, static_cast<std::int64_t>(wall_ms)));
 }
 
+KERF_EXPORT(kerf_tool) std::uint32_t kerf_tool(double wall_ms) {
+  keep_reserve();
+  const auto made = g_journal->make_tool(input_text(), static_cast<std::int64_t>(wall_ms));
+  if (!made) return put(made.error());
+  g_output.clear();
+  append(std::span<const kerf::ToolId>(&*made, 1));
+  return 0;
+}
+
 KERF_EXPORT(kerf_origin) std::uint32_t kerf_origin() {
   g_output.clear();
   append(g_journal->origin());

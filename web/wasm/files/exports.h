@@ -18,7 +18,7 @@ std::byte* kerf_input(std::uint32_t bytes);
 const std::byte* kerf_output();
 
 /// ProgramBlock::read: the input has the names of program, scene and stock, a line each. Returns
-/// the bytes of the error, 0 if there is none; as do all down to kerf_change.
+/// the bytes of the error, 0 if there is none; as do all down to kerf_tool.
 std::uint32_t kerf_read();
 /// JournalBlock::read of the input.
 std::uint32_t kerf_journal();
@@ -41,6 +41,8 @@ std::uint32_t kerf_hand(std::uint32_t participant, double wall_ms);
 std::uint32_t kerf_samples(double wall_ms, double span_ms);
 /// JournalBlock::change_by_hand; `undone` is 0 or 1.
 std::uint32_t kerf_change(std::uint32_t undone, double wall_ms);
+/// JournalBlock::make_tool of the input, a tool of a scene: the output is its id, 32 bits.
+std::uint32_t kerf_tool(double wall_ms);
 
 /// JournalBlock::origin and rows: return their bytes. These need a journal.
 std::uint32_t kerf_origin();

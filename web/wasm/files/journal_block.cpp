@@ -124,6 +124,27 @@ Done JournalBlock::change_by_hand(bool undone, std::int64_t wall_ms) {
   return carve(1, true);
 }
 
+std::expected<ToolId, std::string> JournalBlock::make_tool(std::string_view json,
+                                                           std::int64_t wall_ms) {
+  if (auto ok = check_hand(); !ok) return std::unexpected(ok.error());
+  auto tool = parse_scene_tool(json, scene_->settings.tolerance_mm);
+  if (!tool) return std::unexpected(to_string(tool.error()));
+  const auto equal = std::ranges::find_if(
+      scene_->tools, [&](const auto& one) { return one.second.tool == tool->tool; });
+  if (equal != scene_->tools.end()) return equal->first;
+  ToolId id = scene_->tools.rbegin()->first + 1;
+  while (id == 0 || scene_->tools.contains(id)) ++id;
+  const BatchRecord define{0, DefineTool{id, tool->tool}, false};
+  log_->append({&define, 1}, wall_ms, 0);
+  if (auto carved = carve(1, true); !carved) return std::unexpected(carved.error());
+  Scene grown = *scene_;
+  grown.tools.emplace(id, *std::move(tool));
+  scene_ = std::make_shared<const Scene>(std::move(grown));
+  past_->take_scene(scene_);
+  made_.push_back({id, log_->last(), wall_ms});
+  return id;
+}
+
 std::vector<std::byte> JournalBlock::rows() const { return log_->rows(); }
 
 SolidSnapshot JournalBlock::solid() {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/formats/scene.h"
@@ -43,6 +44,9 @@ class JournalBlock final : public PlayedBlock {
   /// Undoes the newest stroke of the hand, or redoes the one that was undone last. On an error, as
   /// if there is none, nothing has changed.
   std::expected<void, std::string> change_by_hand(bool undone, std::int64_t wall_ms);
+  /// Makes a tool for the hand, as in a scene, unless there is one with an equal outline; about()
+  /// lists it. Returns its id. On an error nothing has changed.
+  std::expected<ToolId, std::string> make_tool(std::string_view json, std::int64_t wall_ms);
   /// What the journal begins with (server/store/journal_origin.h), and its rows, as add() takes
   /// them: all that a file of it needs.
   std::span<const std::byte> origin() const { return origin_; }
@@ -69,12 +73,20 @@ class JournalBlock final : public PlayedBlock {
   /// When a record was appended, s since the first one; 0: before it.
   double time_s(std::uint64_t record) const;
 
+  /// A tool that was made here: a row of a file's table of tools.
+  struct MadeHere {
+    ToolId id = 0;
+    std::uint64_t record = 0;
+    std::int64_t wall_ms = 0;
+  };
+
   std::vector<std::byte> origin_;
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<RecordLog> log_ = std::make_shared<RecordLog>();
   LogPast* past_ = nullptr;  ///< of block_
   std::optional<PastBlock> block_;
   std::optional<HandTrack> hand_;
+  std::vector<MadeHere> made_;
   std::optional<DexelGrid> grid_;  ///< of the block
 };
 
