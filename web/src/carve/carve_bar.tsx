@@ -7,6 +7,8 @@ import { useLayoutEffect, useRef } from 'preact/hooks';
 import { t } from '../strings';
 import './carve.css';
 import { toolName, toolProfile } from '../model/tool_profile';
+import { DIAMETER_MM, diameterOf, PALETTE, withShape } from '../model/tool_sizes';
+import { shapeName } from '../strings/names';
 import { figure } from '../ui/format';
 import type { ToolInfo } from '../wire/types';
 import type { AimMode, AxisChoice } from './aim';
@@ -34,6 +36,9 @@ const DRAGS: Record<DragStrength, string> = {
   strong: t('Resistance: strong'),
 };
 const SLIDER_STEPS = 1000;
+/** As which the shapes are drawn. */
+const SHOWN_MM = 6;
+const SHOWN: ToolInfo = { id: 0, shape: 'ball', diameter_mm: SHOWN_MM, length_mm: 12 };
 
 export function isTouched(): boolean {
   return matchMedia('(pointer: coarse)').matches;
@@ -74,7 +79,7 @@ function Tool({ tool, drawing, isChosen, choose }: ToolProps) {
       ref={button}
       type="button"
       class="carve-tool"
-      title={`${name} ([ and ])`}
+      title={name}
       aria-pressed={isChosen}
       onClick={choose}
     >
@@ -99,6 +104,52 @@ function Rack({ settings }: { settings: ToolSettings }) {
           choose={() => settings.chooseTool(tool.id)}
         />
       ))}
+    </div>
+  );
+}
+
+/** The shapes of tools that can be made, and the diameter: of the tool that the hand gets next. */
+function Shapes({ settings }: { settings: ToolSettings }) {
+  const { wish } = settings;
+  const mm = wish && diameterOf({ ...wish, id: 0 });
+  return (
+    <div class="carve-shapes">
+      <div class="carve-modes" role="group" aria-label={t('Shape')}>
+        {PALETTE.map((shape) => {
+          const profile = toolProfile({ id: 0, ...withShape(SHOWN, shape, SHOWN_MM) });
+          return (
+            <button
+              key={shape}
+              type="button"
+              class="carve-shape"
+              title={shapeName(shape)}
+              aria-label={shapeName(shape)}
+              aria-pressed={wish?.shape === shape}
+              onClick={() => settings.chooseShape(shape)}
+              dangerouslySetInnerHTML={{ __html: silhouette(profile, commonScale([profile])) }}
+            />
+          );
+        })}
+      </div>
+      {mm !== null && (
+        <label class="carve-diameter" title={t('Diameter of the tool ([ and ])')}>
+          <span aria-hidden="true">⌀</span>
+          <input
+            type="number"
+            step="any"
+            aria-label={t('Diameter, mm')}
+            min={DIAMETER_MM.least}
+            max={DIAMETER_MM.most}
+            value={mm}
+            onChange={({ currentTarget }) => {
+              const { valueAsNumber: typed } = currentTarget;
+              if (Number.isFinite(typed)) settings.setDiameter(typed);
+              currentTarget.value = String(settings.wish?.diameter_mm ?? mm);
+            }}
+          />
+          <span>mm</span>
+        </label>
+      )}
     </div>
   );
 }
@@ -169,6 +220,7 @@ function Controls({ settings, choices, spaceMouse, undo, redo, done }: BarProps)
         isPressed={drag !== 'off'}
         press={() => settings.nextDrag()}
       />
+      {settings.mayMake && <Shapes settings={settings} />}
       <StrokeChoicesView choices={choices} />
       <Depth settings={settings} />
       <Press

@@ -58,7 +58,7 @@ export interface CarveLinkOptions {
   who(): Pick<AgentHello, 'name' | 'color' | 'tool'>;
   nowMs(): number;
   /** The page's copy of the block, which sees all messages of this link. */
-  copy: Pick<BlockCopy, 'works' | 'open' | 'cut' | 'take' | 'change' | 'settle'>;
+  copy: Pick<BlockCopy, 'works' | 'open' | 'tools' | 'cut' | 'take' | 'change' | 'settle'>;
   /** Of the page before this one, which was loaded again; empty: none. */
   token?: string;
   /** The token with which the next page continues. */
@@ -307,6 +307,9 @@ export class CarveLink {
         this.joined_(message, text);
         return;
       }
+      case 'tools':
+        this.options.copy.tools(text);
+        return;
       case 'stroke':
         this.answered_(message);
         return;

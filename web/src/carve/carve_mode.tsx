@@ -7,9 +7,12 @@ import type { VNode } from 'preact';
 import { t } from '../strings';
 import { MOUSE } from 'three';
 import type { BlockCopy } from '../kernel/block_copy';
+import { makeTool } from '../link/tools';
+import type { NewTool } from '../model/tool_sizes';
 import { sentence } from '../ui/format';
 import type { Viewer } from '../view/viewer';
 import type { AgentHello } from '../wire/agent_control';
+import type { ToolInfo } from '../wire/types';
 import { CarveBar, isTouched } from './carve_bar';
 import { linkToServer } from './carve_link';
 import type { AgentLink, CarveLinkEvents, CarveStatus } from './carve_link';
@@ -72,6 +75,10 @@ export class CarveMode {
       isJoined: () => this.isJoined_(),
       color: () => this.who_().color,
       changes: () => this.stopStroke_(),
+      tools: () => host.model.tools,
+      mayMake: () => host.model.welcome?.may?.includes('make_tools') ?? true,
+      makeTool: (tool) => this.makeTool_(tool),
+      say: (text) => this.notes_.say(sentence(text), true),
     });
     this.choices_ = new StrokeChoices(this.hand_, this.settings_, () => this.stopStroke_());
     this.copy_ = host.linkHere ? null : this.makeCopy_();
@@ -207,6 +214,16 @@ export class CarveMode {
     );
   }
 
+  /** The page's copy has it before any motion that uses it. */
+  private async makeTool_(wish: NewTool): Promise<ToolInfo> {
+    const { host } = this;
+    const make = host.makeToolHere ?? ((tool) => makeTool(host.session, tool, host.name()));
+    const tool = await make(wish);
+    this.copy_?.tools(JSON.stringify({ type: 'tools', tools: [tool] }));
+    host.model.addTool(tool);
+    return tool;
+  }
+
   private makeCopy_(): BlockCopy {
     return makeCopy(
       this.viewer,
@@ -261,6 +278,7 @@ export class CarveMode {
       undo: () => this.undo_(),
       redo: () => this.redo_(),
       nextTool: (step) => this.settings_.nextTool(step),
+      resize: (direction) => this.settings_.resize(direction),
       ...this.choices_.keys,
       space: (held) => {
         if (this.pointers_) this.pointers_.spaceHeld = held;

@@ -7,6 +7,8 @@ export interface CarveKeyActions {
   undo: () => void;
   redo: () => void;
   nextTool: (step: 1 | -1) => void;
+  /** Takes a wider tool, or a narrower one. */
+  resize: (direction: 1 | -1) => void;
   togglePlane: () => void;
   nextAxis: () => void;
   nextMirror: () => void;
@@ -26,8 +28,12 @@ function actionOf(event: KeyboardEvent, actions: CarveKeyActions): (() => void) 
     case 'escape':
       return actions.escape;
     case '[':
-      return () => actions.nextTool(-1);
+      return () => actions.resize(-1);
     case ']':
+      return () => actions.resize(1);
+    case '{':
+      return () => actions.nextTool(-1);
+    case '}':
       return () => actions.nextTool(1);
     case 'p':
       return actions.togglePlane;

@@ -77,6 +77,11 @@ export class BlockCopy {
     this.worker.postMessage({ type: 'open', welcome });
   }
 
+  /** Tools were made: the text of a `tools` message. */
+  tools(message: string): void {
+    if (this.works_) this.worker.postMessage({ type: 'tools', message });
+  }
+
   /** Takes a frame of the server. */
   take(frame: Uint8Array): void {
     if (this.works_) this.worker.postMessage({ type: 'take', frame });

@@ -44,6 +44,9 @@ export class CopyKeeper {
         this.shown_.clear();
         this.dirty_.clear();
         return;
+      case 'tools':
+        if (this.isOpen_) kernel.tools(message.message);
+        return;
       case 'hidden':
         for (const key of message.keys) this.shown_.delete(key);
         return;

@@ -28,6 +28,7 @@ interface Exports {
   kerf_input(bytes: number): number;
   kerf_output(): number;
   kerf_open(): number;
+  kerf_tools(): number;
   kerf_take(): number;
   kerf_force(): number;
   kerf_change(undone: boolean): void;
@@ -93,8 +94,13 @@ export class Kernel {
   /** Opens the block of an agent's welcome, in place of the one before. Throws if it cannot. */
   open(welcome: string): void {
     this.put_(new TextEncoder().encode(welcome));
-    const bytes = this.calls.kerf_open();
-    if (bytes > 0) throw new Error(new TextDecoder().decode(this.output_(bytes)));
+    this.check_(this.calls.kerf_open());
+  }
+
+  /** Defines the tools of a `tools` message that are new. Throws if it cannot. */
+  tools(message: string): void {
+    this.put_(new TextEncoder().encode(message));
+    this.check_(this.calls.kerf_tools());
   }
 
   /**
@@ -142,6 +148,10 @@ export class Kernel {
   /** The hash of the block's state, as the server writes it. */
   hash(): string {
     return hashText(this.calls.kerf_hash());
+  }
+
+  private check_(errorBytes: number): void {
+    if (errorBytes > 0) throw new Error(new TextDecoder().decode(this.output_(errorBytes)));
   }
 
   private put_(bytes: Uint8Array): void {

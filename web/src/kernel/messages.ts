@@ -8,6 +8,8 @@ export type ToWorker =
   | { type: 'load'; module: WebAssembly.Module }
   /** A block begins: the text of an agent's welcome. */
   | { type: 'open'; welcome: string }
+  /** A message of the server that lists tools: those that are new are defined. */
+  | { type: 'tools'; message: string }
   /** A frame of the server. */
   | { type: 'take'; frame: Uint8Array }
   /** A frame with motions of the page, which is cut at once. `newest` is its last sample. */

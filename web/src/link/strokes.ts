@@ -14,8 +14,9 @@ async function reasonOf(response: Response): Promise<string> {
   return typeof reason === 'string' ? reason : t('the server reported error {0}', response.status);
 }
 
-async function answerOf(path: string, method: string): Promise<Response> {
-  const response = await request(path, { method }).catch(() => {
+async function answerOf(path: string, method: string, body?: string): Promise<Response> {
+  const sent = body === undefined ? {} : { body };
+  const response = await request(path, { method, ...sent }).catch(() => {
     throw new Error(noAnswer());
   });
   if (!response.ok) throw new Error(await reasonOf(response));
@@ -23,8 +24,8 @@ async function answerOf(path: string, method: string): Promise<Response> {
 }
 
 /** Asks the server; rejects with a sentence that says why it did not answer, or not so. */
-export async function ask(path: string, method: string): Promise<unknown> {
-  return (await answerOf(path, method)).json();
+export async function ask(path: string, method: string, body?: string): Promise<unknown> {
+  return (await answerOf(path, method, body)).json();
 }
 
 /** The same for an answer that is no JSON. */

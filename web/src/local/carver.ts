@@ -101,6 +101,9 @@ export class Carver {
       case 'change':
         this.changeByHand_(block, message);
         return;
+      case 'tool':
+        this.makeTool_(block, message);
+        return;
       case 'rest':
         this.isHot_ = false;
         this.changed_();
@@ -194,6 +197,13 @@ export class Carver {
   ): void {
     const reason = this.reasonOf_(() => block.samples(frame, wallMs, spanMs));
     this.around.post({ type: 'felt', newest, progress: block.progress(), reason });
+    this.handMoved_(block);
+  }
+
+  private makeTool_(block: ProgramBlock, { tool, wallMs }: ToWorker & { type: 'tool' }): void {
+    let id = 0;
+    const reason = this.reasonOf_(() => (id = block.tool(tool, wallMs)));
+    this.around.post({ type: 'tool', id, tools: block.about().tools, reason });
     this.handMoved_(block);
   }
 

@@ -6,13 +6,15 @@ import type { CarveLinkEvents } from '../carve/carve_link';
 import { CarvePart } from '../carve/part';
 import type { CarveHost } from '../carve/host';
 import type { SessionModel } from '../model/session';
+import type { NewTool } from '../model/tool_sizes';
 import type { ButtonAction } from '../ui/actions';
-import type { ParticipantInfo } from '../wire/types';
+import type { ParticipantInfo, ToolInfo } from '../wire/types';
 import { recall } from '../strings/memory';
 import { forgetStrokes, keepStrokes } from './autosave';
 import { download } from './download';
 import { HandLink } from './hand_link';
 import type { FromWorker, ToWorker } from './messages';
+import { translated } from './reasons';
 import type { JournalParts } from './program_block';
 
 /** Between two times at which strokes are kept in the browser. */
@@ -20,7 +22,10 @@ const KEEP_EVERY_MS = 3000;
 /** Of the motions of a program, in the journal that goes on from it (web/wasm/files). */
 const PROGRAM = 1;
 
-export interface HandHost extends Omit<CarveHost, 'session' | 'name' | 'linkHere'> {
+export interface HandHost extends Omit<
+  CarveHost,
+  'session' | 'name' | 'linkHere' | 'makeToolHere'
+> {
   post(message: ToWorker): void;
   /** Why nothing can be carved by hand now; empty: it can. */
   whyNot(): string;
@@ -42,6 +47,11 @@ export class LocalHand {
   private keepTimer_: ReturnType<typeof setTimeout> | undefined;
   /** Handlers of the worker's answers, in the order of the requests. */
   private asked_: ('file' | 'autosave')[] = [];
+  /** The tool that the worker makes: one after the other. */
+  private making_: {
+    resolve: (tool: ToolInfo) => void;
+    reject: (reason: Error) => void;
+  } | null = null;
 
   constructor(private readonly host: HandHost) {
     this.carve = new CarvePart({
@@ -49,6 +59,7 @@ export class LocalHand {
       session: '',
       name: () => this.name_(),
       linkHere: (events) => this.makeLink_(events),
+      makeToolHere: (tool) => this.makeTool_(tool),
     });
     this.action = { ...this.carve.action, perform: () => this.toggle() };
     window.addEventListener('beforeunload', (event) => {
@@ -117,6 +128,11 @@ export class LocalHand {
       this.isSaved_ = false;
       this.keepTimer_ ??= setTimeout(() => this.keep_(), KEEP_EVERY_MS);
     }
+    if (message.type === 'tool') {
+      const tool = message.tools.find(({ id }) => id === message.id);
+      if (tool) this.making_?.resolve(tool);
+      else this.making_?.reject(new Error(translated(message.reason)));
+    }
     if (message.type === 'saved') void this.write_(message.parts, this.asked_.shift()!);
     this.link_?.heard(message);
   }
@@ -154,6 +170,11 @@ export class LocalHand {
       events,
     );
     return this.link_;
+  }
+
+  private makeTool_(tool: NewTool): Promise<ToolInfo> {
+    this.host.post({ type: 'tool', tool: JSON.stringify(tool), wallMs: Date.now() });
+    return new Promise((resolve, reject) => (this.making_ = { resolve, reject }));
   }
 
   private ask_(what: 'file' | 'autosave'): void {

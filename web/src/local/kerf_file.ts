@@ -80,6 +80,18 @@ function hasTable(database: Database, name: string): boolean {
   return integer(database, `SELECT count(*) FROM sqlite_master WHERE ${where}`) > 0;
 }
 
+/** The scene with the tools that were made since. */
+function sceneOf(database: Database, scene: Uint8Array): Uint8Array {
+  if (!hasTable(database, 'tools')) return scene;
+  const made: unknown[] = [];
+  each(database, 'SELECT json FROM tools ORDER BY tool', ([json]) =>
+    made.push(JSON.parse(String(json))),
+  );
+  if (made.length === 0) return scene;
+  const all = JSON.parse(new TextDecoder().decode(scene)) as { tools: unknown[] };
+  return bytesOf(JSON.stringify({ ...all, tools: [...all.tools, ...made] }));
+}
+
 /** As encode_origin of server/store/journal_origin.h. */
 function originOf(database: Database): Uint8Array<ArrayBuffer> {
   const files: Uint8Array[] = [];
@@ -89,7 +101,7 @@ function originOf(database: Database): Uint8Array<ArrayBuffer> {
     );
   const texts: Uint8Array[] = [];
   each(database, 'SELECT id, scene FROM session', ([id, scene]) =>
-    texts.push(bytesOf(id), bytesOf(scene)),
+    texts.push(bytesOf(id), sceneOf(database, bytesOf(scene))),
   );
   texts.push(...files);
   const out = new Bytes().u32(texts.length);

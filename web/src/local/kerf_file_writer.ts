@@ -23,6 +23,9 @@ const TABLES = `
   PRAGMA application_id=${APPLICATION_ID};
   PRAGMA user_version=${VERSION};
 `;
+const TOOLS_TABLE = `CREATE TABLE IF NOT EXISTS tools(tool INTEGER PRIMARY KEY,
+  record INTEGER NOT NULL, created_ms INTEGER NOT NULL, json TEXT NOT NULL, author TEXT NOT NULL,
+  crc INTEGER NOT NULL)`;
 const FILES_TABLE =
   'CREATE TABLE files(name TEXT PRIMARY KEY, bytes BLOB NOT NULL, crc INTEGER NOT NULL)';
 
@@ -47,6 +50,12 @@ function extend(database: Database, parts: JournalParts, people: readonly Partic
   for (const { first, count, wallMs, spanMs, bytes, crc } of rowsOf(parts.rows))
     insert.run([first, count, wallMs, spanMs, bytes, crc]);
   insert.free();
+  if (parts.tools.length > 0) database.run(TOOLS_TABLE);
+  for (const { tool, record, createdMs, json, crc } of parts.tools)
+    database.run('INSERT OR IGNORE INTO tools VALUES(?,?,?,?,?,?)', [
+      ...[tool, record, createdMs, json, ''],
+      crc,
+    ]);
   const { record, hash, kernelVersion } = parts;
   // The hash has 64 bits, more than a number here; SQLite stores a signed one.
   const signed = BigInt.asIntN(64, BigInt(`0x${hash}`)).toString();

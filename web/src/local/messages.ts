@@ -2,6 +2,7 @@
 // The messages between a page that carves by itself and its worker.
 
 import type { TileTriangles } from '../kernel/kernel';
+import type { ToolInfo } from '../wire/types';
 import type {
   About,
   GivenFiles,
@@ -46,6 +47,8 @@ export type ToWorker =
     }
   /** Undoes the newest stroke of the hand, or redoes the one that it undid last. */
   | { type: 'change'; undone: boolean; wallMs: number }
+  /** Makes a tool for the hand: the JSON of one in a scene. */
+  | { type: 'tool'; tool: string; wallMs: number }
   /** The hand rests: the state hash is computed. */
   | { type: 'rest' }
   /** Requests a journal of the hand's strokes. */
@@ -75,6 +78,8 @@ export type FromWorker =
   | { type: 'felt'; newest: bigint; progress: Progress; reason: string }
   /** `reason`: why nothing was undone or redone, else empty. */
   | { type: 'changed'; undone: boolean; reason: string }
+  /** The id of the tool that was asked for, and all tools; `reason`: why there is none, else empty. */
+  | { type: 'tool'; id: number; tools: ToolInfo[]; reason: string }
   | { type: 'saved'; parts: JournalParts }
   /** Files cannot be read, or a motion cannot be carved: one line, that of kerf-carve. */
   | { type: 'rejected'; reason: string }

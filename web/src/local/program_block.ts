@@ -44,6 +44,8 @@ export interface JournalParts {
   }[];
   /** As GivenJournal.spans. */
   rows: Uint8Array<ArrayBuffer>;
+  /** The tools that the hand has made, as rows of their table (manual/kerf-file.md). */
+  tools: { tool: number; record: number; createdMs: number; json: string; crc: number }[];
   /** The last record, and the state after it. */
   record: number;
   hash: string;
@@ -69,6 +71,8 @@ export interface About {
   warnings: string[];
   /** Of a journal: the version that replays it. */
   kernel_version?: number;
+  /** Of a journal: the tools that the hand has made. */
+  made?: { tool: number; record: number; created_ms: number }[];
   grid: { origin_mm: Vec3; columns: [number, number]; tile: number };
 }
 
@@ -117,6 +121,7 @@ interface Exports {
   kerf_hand(participant: number, wallMs: number): number;
   kerf_samples(wallMs: number, spanMs: number): number;
   kerf_change(undone: number, wallMs: number): number;
+  kerf_tool(wallMs: number): number;
   kerf_origin(): number;
   kerf_rows(): number;
   kerf_checksum(): number;
@@ -139,6 +144,16 @@ function textsOf(origin: Uint8Array<ArrayBuffer>): Uint8Array<ArrayBuffer>[] {
     at += 4 + size;
     return origin.slice(at - size, at);
   });
+}
+
+/** What the checksum of a tool's row covers: its texts, the author's last, then its numbers. */
+function rowBytes(json: string, ...numbers: number[]): Uint8Array {
+  const texts = new TextEncoder().encode(`${json}\0\0`);
+  const bytes = new Uint8Array(texts.length + 8 * numbers.length);
+  bytes.set(texts);
+  const view = new DataView(bytes.buffer, texts.length);
+  numbers.forEach((value, n) => view.setBigInt64(8 * n, BigInt(value), true));
+  return bytes;
 }
 
 /** Errors of calls are Errors whose message is one line, that of kerf-carve. */
@@ -218,6 +233,13 @@ export class ProgramBlock {
     this.check_(this.calls.kerf_change(undone ? 1 : 0, wallMs));
   }
 
+  /** Makes a tool for the hand, unless there is an equal one. Returns its id. */
+  tool(tool: string, wallMs: number): number {
+    this.put_(tool);
+    this.check_(this.calls.kerf_tool(wallMs));
+    return new Uint32Array(this.output_(4).buffer)[0]!;
+  }
+
   /** The journal of a block that a hand carves, which must be at its last record. */
   parts(): JournalParts {
     const [id, scene, ...files] = textsOf(this.output_(this.calls.kerf_origin()));
@@ -231,10 +253,25 @@ export class ProgramBlock {
         return [{ name, bytes, crc: this.checksum_(bytes) }];
       }),
       rows: this.output_(this.calls.kerf_rows()),
+      tools: this.madeTools_(),
       record: this.progress().carved,
       hash: this.hash(),
       kernelVersion: this.about().kernel_version!,
     };
+  }
+
+  private madeTools_(): JournalParts['tools'] {
+    const { made = [], tools } = this.about();
+    return made.map(({ tool, record, created_ms: createdMs }) => {
+      const json = JSON.stringify(tools.find(({ id }) => id === tool));
+      return {
+        tool,
+        record,
+        createdMs,
+        json,
+        crc: this.checksum_(rowBytes(json, tool, record, createdMs)),
+      };
+    });
   }
 
   /** Meshes of the tiles that have changed since the last call; the first time of all. */

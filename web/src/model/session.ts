@@ -46,6 +46,7 @@ export class SessionModel {
   meshBytes = 0;
   // Signals: components and effects that read the properties below run again after a change.
   private readonly welcome_ = signal<Welcome | null>(null);
+  private readonly tools_ = signal<readonly ToolInfo[]>([]);
   private readonly state_ = signal<StateMessage | null>(null);
   private readonly status_ = signal<LinkStatus>('connecting');
   private readonly statusReason_ = signal('');
@@ -96,6 +97,7 @@ export class SessionModel {
     switch (message.type) {
       case 'welcome':
         this.welcome_.value = message;
+        this.tools_.value = message.tools;
         this.state_.value = null;
         this.tiles.beginSnapshot();
         this.clock.reset();
@@ -105,6 +107,9 @@ export class SessionModel {
         this.participants.forgetPoses();
         this.programs.clear();
         this.together.clear();
+        break;
+      case 'tools':
+        this.tools_.value = message.tools;
         break;
       case 'participants':
         this.participants.setList(message.participants, message.viewers);
@@ -170,7 +175,17 @@ export class SessionModel {
   }
 
   tool(id: number): ToolInfo | undefined {
-    return this.welcome?.tools.find((tool) => tool.id === id);
+    return this.tools.find((tool) => tool.id === id);
+  }
+
+  /** The tools of the session, with those that were made since the welcome. */
+  get tools(): readonly ToolInfo[] {
+    return this.tools_.value;
+  }
+
+  /** A tool was made, of which the server's list will come. */
+  addTool(tool: ToolInfo): void {
+    if (!this.tool(tool.id)) this.tools_.value = [...this.tools_.peek(), tool];
   }
 
   private frameArrived_(header: Header, nowMs: number): void {

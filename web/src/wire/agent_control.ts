@@ -61,6 +61,8 @@ export type AgentMessage =
   | { type: 'error'; code: string; reason: string; fatal: boolean }
   /** `redirect`: the address of the server that has the session; empty: none is named. */
   | { type: 'bye'; reason: string; redirect: string }
+  /** A tool was made: its text is for the page's copy of the block. */
+  | { type: 'tools' }
   /** The list in `AgentWelcome.others` has changed. */
   | { type: 'servers'; others: string[] };
 
@@ -113,6 +115,8 @@ function messageOf(from: Json): AgentMessage | null {
         reason: text(from, 'reason'),
         redirect: from['redirect'] === undefined ? '' : text(from, 'redirect'),
       };
+    case 'tools':
+      return { type: 'tools' };
     case 'servers':
       return { type: 'servers', others: othersOf(from) };
     default:

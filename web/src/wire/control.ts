@@ -124,7 +124,8 @@ function stockOf(value: unknown): Stock {
   throw new InvalidField(`stock.shape ${JSON.stringify(from['shape'])} is not supported`);
 }
 
-function toolOf(value: unknown): ToolInfo {
+/** A tool of a welcome, or of an answer over HTTP. */
+export function toolOf(value: unknown): ToolInfo {
   const from = object(value, 'tool');
   return { ...(from as unknown as ToolInfo), id: number(from, 'id'), shape: text(from, 'shape') };
 }
@@ -248,6 +249,8 @@ function messageOf(from: Json): ServerMessage | null {
       };
     case 'programs':
       return { type: 'programs', programs: list(from['programs'], 'programs').map(programOf) };
+    case 'tools':
+      return { type: 'tools', tools: list(from['tools'], 'tools').map(toolOf) };
     case 'pins':
       return { type: 'pins', pins: list(from['pins'], 'pins').map(pinOf) };
     case 'cameras':

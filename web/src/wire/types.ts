@@ -391,6 +391,8 @@ export type ServerMessage =
   | { type: 'cameras'; cameras: ShownCamera[] }
   | ProgramsMessage
   | Welcome
+  /** All tools of the session: one was made. */
+  | { type: 'tools'; tools: ToolInfo[] }
   | { type: 'participants'; participants: ParticipantInfo[]; viewers?: number }
   | ParticipantsChanged
   | StateMessage

@@ -53,6 +53,9 @@ class FakeCopy {
   open(welcome: string): void {
     this.heard.push(`open ${(JSON.parse(welcome) as { participant: number }).participant}`);
   }
+  tools(message: string): void {
+    this.heard.push(`tools ${(JSON.parse(message) as { tools: unknown[] }).tools.length}`);
+  }
   cut(frame: Uint8Array, newest: bigint): void {
     const decoded = decodeFrame(frame);
     if (decoded.ok && decoded.value.kind === 'motion')
