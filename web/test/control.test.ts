@@ -52,6 +52,15 @@ describe('control messages', () => {
     if (!result.ok) expect(result.error.code).toBe('bad_json');
   });
 
+  it('takes the tools of a session when one was made', () => {
+    const tools = [{ id: 3, shape: 'ball', diameter_mm: 7, length_mm: 30 }];
+    expect(parseControl(JSON.stringify({ type: 'tools', tools }))).toEqual({
+      ok: true,
+      value: { type: 'tools', tools },
+    });
+    expect(parseControl('{"type":"tools","tools":[{"id":3}]}').ok).toBe(false);
+  });
+
   it('rejects anything but a JSON object', () => {
     for (const text of ['', '{', '[]', 'null', '7', '"welcome"'])
       expect(parseControl(text).ok).toBe(false);

@@ -36,9 +36,7 @@ export function clampedMm(mm: number): number {
 export function nextDiameter(mm: number, direction: 1 | -1): number {
   const wish = mm * STEP_FACTOR ** direction;
   const [, step] = NEAT.find(([upTo]) => wish <= upTo)!;
-  const neat = Math.round(wish / step) * step;
-  const moved = direction * (neat - mm) > step / 100 ? neat : neat + direction * step;
-  return clampedMm(moved);
+  return clampedMm(Math.round(wish / step) * step);
 }
 
 /** Of a tool that a diameter describes; null of others. */

@@ -146,6 +146,13 @@ describe('carve link', () => {
     socket.onmessage?.({ data: bytes.buffer });
   }
 
+  it('gives the tools that are made to the copy', () => {
+    copy.works = true;
+    const socket = join();
+    socket.say({ type: 'tools', tools: [{ id: 3 }, { id: 4 }] });
+    expect(copy.heard.at(-1)).toBe('tools 2');
+  });
+
   it('joins with name, color and tool, and sends its samples in messages of 16', () => {
     const socket = join();
     expect(socket.protocol).toBe('kerf.agent.v1');

@@ -81,7 +81,8 @@ describe('tool settings', () => {
     settings.resize(1);
     settings.resize(1);
     expect(settings.wish?.diameter_mm).toBe(9);
-    answers[0]!({ id: 3, ...made[0]! });
+    tools.value = [...tools.value, { id: 3, ...made[0]! }];
+    answers[0]!(tools.value[2]!);
     await vi.waitFor(() => expect(made).toHaveLength(2));
     expect(made[1]!.diameter_mm).toBe(9);
     await answer(4);
@@ -101,7 +102,8 @@ describe('tool settings', () => {
   it('give up a tool that is being made when another is chosen', async () => {
     settings.resize(1);
     settings.chooseTool(2);
-    answers[0]!({ id: 3, ...made[0]! });
+    tools.value = [...tools.value, { id: 3, ...made[0]! }];
+    answers[0]!(tools.value[2]!);
     await Promise.resolve();
     await Promise.resolve();
     expect(settings.tool?.id).toBe(2);
