@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tools that are made over HTTP, and who hears of them.
 #include "server/store/journal_origin.h"
+#include "server/tools/tool_routes.h"
 #include "tests/server/api_rights_fixture.h"
 #include "tests/server/conversation_fixture.h"
 #include "tests/support/test.h"

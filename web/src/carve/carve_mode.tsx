@@ -7,12 +7,9 @@ import type { VNode } from 'preact';
 import { t } from '../strings';
 import { MOUSE } from 'three';
 import type { BlockCopy } from '../kernel/block_copy';
-import { makeTool } from '../link/tools';
-import type { NewTool } from '../model/tool_sizes';
 import { sentence } from '../ui/format';
 import type { Viewer } from '../view/viewer';
 import type { AgentHello } from '../wire/agent_control';
-import type { ToolInfo } from '../wire/types';
 import { CarveBar, isTouched } from './carve_bar';
 import { linkToServer } from './carve_link';
 import type { AgentLink, CarveLinkEvents, CarveStatus } from './carve_link';
@@ -34,6 +31,7 @@ import { diagonalOf, overBlock } from './devices/start';
 import { Settling } from './settling';
 import { Spring } from './spring';
 import type { Stretch } from './spring';
+import { makeToolFor } from './make_tool';
 import { StrokeChoices } from './stroke_choices';
 import { ToolSettings } from './tool_settings';
 import type { Wielded } from './tool/wielded';
@@ -77,7 +75,7 @@ export class CarveMode {
       changes: () => this.stopStroke_(),
       tools: () => host.model.tools,
       mayMake: () => host.model.welcome?.may?.includes('make_tools') ?? true,
-      makeTool: (tool) => this.makeTool_(tool),
+      makeTool: (tool) => makeToolFor(host, this.copy_, tool),
       say: (text) => this.notes_.say(sentence(text), true),
     });
     this.choices_ = new StrokeChoices(this.hand_, this.settings_, () => this.stopStroke_());
@@ -212,16 +210,6 @@ export class CarveMode {
         <GaugeView gauge={this.gauge_} />
       </>
     );
-  }
-
-  /** The page's copy has it before any motion that uses it. */
-  private async makeTool_(wish: NewTool): Promise<ToolInfo> {
-    const { host } = this;
-    const make = host.makeToolHere ?? ((tool) => makeTool(host.session, tool, host.name()));
-    const tool = await make(wish);
-    this.copy_?.tools(JSON.stringify({ type: 'tools', tools: [tool] }));
-    host.model.addTool(tool);
-    return tool;
   }
 
   private makeCopy_(): BlockCopy {
