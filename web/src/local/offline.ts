@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keeps the files of the page in the browser, so that it opens without a network. A newer build is
-// kept while the page runs, and shown when it is opened the next time.
+// kept while the page runs.
 
 /** Whether the page is one file, which needs no other. */
 declare const KERF_IS_SINGLE: boolean;
@@ -12,9 +12,8 @@ interface Build {
   files: string[];
 }
 
-/** From the host, not from what is kept (public/offline.js). */
-const fromHost = (path: string): Request =>
-  new Request(path, { cache: 'no-cache', headers: { 'kerf-host': '1' } });
+/** Asks the host whether what the browser has is still right. */
+const fromHost = (path: string): Request => new Request(path, { cache: 'no-cache' });
 
 /** Keeps all files of the newest build, then forgets those of earlier ones. */
 export async function keepBuild(): Promise<void> {
@@ -38,7 +37,7 @@ export async function keepBuild(): Promise<void> {
 export async function worksOffline(): Promise<void> {
   if (KERF_IS_SINGLE || !('serviceWorker' in navigator)) return;
   try {
-    await navigator.serviceWorker.register('./offline.js', { scope: './kerf.html' });
+    await navigator.serviceWorker.register('./offline.js');
     await keepBuild();
   } catch (problem) {
     console.warn('The page will not open without a network:', problem);
