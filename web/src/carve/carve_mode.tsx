@@ -16,6 +16,7 @@ import type { AgentLink, CarveLinkEvents, CarveStatus } from './carve_link';
 import { Coaching } from './coaching';
 import { Delivery } from './delivery';
 import { Devices } from './devices/devices';
+import { openSpaceMouse } from './devices/open_space_mouse';
 import { SpaceMouse } from './devices/space_mouse';
 import { Gauge, GaugeView } from './gauge';
 import { Hand } from './hand';
@@ -31,7 +32,7 @@ import { diagonalOf, overBlock } from './devices/start';
 import { Settling } from './settling';
 import { Spring } from './spring';
 import type { Stretch } from './spring';
-import { makeToolFor } from './make_tool';
+import { toolMaker } from './make_tool';
 import { StrokeChoices } from './stroke_choices';
 import { ToolSettings } from './tool_settings';
 import type { Wielded } from './tool/wielded';
@@ -73,9 +74,7 @@ export class CarveMode {
       isJoined: () => this.isJoined_(),
       color: () => this.who_().color,
       changes: () => this.stopStroke_(),
-      tools: () => host.model.tools,
-      mayMake: () => host.model.welcome?.may?.includes('make_tools') ?? true,
-      makeTool: (tool) => makeToolFor(host, this.copy_, tool),
+      ...toolMaker(host, () => this.copy_),
       say: (text) => this.notes_.say(sentence(text), true),
     });
     this.choices_ = new StrokeChoices(this.hand_, this.settings_, () => this.stopStroke_());
@@ -161,14 +160,8 @@ export class CarveMode {
   }
 
   private openSpaceMouse_(asks: boolean): void {
-    this.spaceMouse_.open(asks).then(
-      () => (this.hasSpaceMouse_.value = this.spaceMouse_.isThere),
-      (problem: unknown) =>
-        this.notes_.say(
-          t('The 3D mouse could not be opened: {0}', (problem as Error).message),
-          true,
-        ),
-    );
+    const say = (text: string): void => this.notes_.say(text, true);
+    void openSpaceMouse(this.spaceMouse_, asks, this.hasSpaceMouse_, say);
   }
 
   /** Joins with the copy, if there can be one. */

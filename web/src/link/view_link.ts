@@ -210,8 +210,8 @@ export class ViewLink {
   }
 
   private hello_(): string {
-    const { look, budget, color } = this.options;
-    return helloText(this.name_, look(), budget, color?.());
+    const { options } = this;
+    return helloText(this.name_, options.look(), options.budget, options.color?.());
   }
 
   private drop_(): void {
