@@ -35,15 +35,16 @@ class Counts final : public MatterStore {
 
 std::vector<std::string> calls;
 
-constexpr Route kRoutes[] = {{.methods = "POST",
-                              .pattern = "/v1/sessions/{id}/count",
-                              .answer =
-                                  [](const ApiCall& call) {
-                                    auto& counts = call.services.stores.get<Counts>();
-                                    return json_response(200, std::to_string(counts.next()));
-                                  },
-                              .action = Action::kWatch,
-                              .summary = "the number of requests"}};
+constexpr Route kRoutes[] = {{
+    .methods = "POST",
+    .pattern = "/v1/sessions/{id}/count",
+    .answer =
+        [](const ApiCall& call) {
+          auto& counts = call.services.stores.get<Counts>();
+          return json_response(200, std::to_string(counts.next()));
+        },
+    .action = Action::kWatch,
+}};
 
 HttpMatter counts() {
   return {.routes = kRoutes, .make_store = [](ApiServices&) -> std::unique_ptr<MatterStore> {

@@ -15,6 +15,7 @@ TriangleTree::Found TriangleTree::find(Vec3) const { return {}; }
 BoxStock mesh_bounds(const TriangleMesh&) { return {}; }
 std::string mesh_stock_fault(const TriangleMesh&) { return "a page takes no mesh as stock"; }
 void dexelize(const TriangleMesh&, const DexelGrid&, bool,
-              const std::function<void(TileIndex, std::shared_ptr<DexelTile>)>&, ColumnShares*) {}
+              const std::function<void(TileIndex, std::shared_ptr<DexelTile>)>&, ColumnShares*,
+              const StopAsked&) {}
 
 }  // namespace kerf
