@@ -30,6 +30,7 @@ export default defineConfig(
     languageOptions: { globals: globals.node },
     rules: { 'no-use-before-define': ['error', { functions: false }] }, // tsc does it for .ts
   },
+  { files: ['web/public/offline.js'], languageOptions: { globals: globals.serviceworker } },
   // Functions given to page.evaluate() run in the browser.
   {
     files: [
