@@ -2,6 +2,7 @@
 // The bar below the picture while one carves: the rack of tools, how the tool follows, its depth,
 // undo, and messages.
 
+import { useSignal } from '@preact/signals';
 import type { ReadonlySignal } from '@preact/signals';
 import { useLayoutEffect, useRef } from 'preact/hooks';
 import { t } from '../strings';
@@ -196,32 +197,43 @@ function Controls({ settings, choices, spaceMouse, undo, redo, done }: BarProps)
   const { value: mode } = settings.mode;
   const { value: drag } = settings.drag;
   const { value: axis } = settings.axis;
+  const isOpen = useSignal(false); // on phones, where the picture needs the place
   return (
     <div class="carve-controls">
-      <div class="carve-modes" role="group" aria-label={t('The tip follows')}>
-        {MODES.map(([one, label, title]) => (
+      <div class={`carve-choices${isOpen.value ? ' open' : ''}`}>
+        <div class="carve-modes" role="group" aria-label={t('The tip follows')}>
+          {MODES.map(([one, label, title]) => (
+            <Press
+              key={one}
+              {...{ label, title }}
+              isPressed={one === mode}
+              press={() => settings.chooseMode(one)}
+            />
+          ))}
+        </div>
+        <Press
+          label={AXES[axis]}
+          title={t('The axis of the tool: across the surface, vertical, or as the pen (L)')}
+          isPressed={axis !== 'surface'}
+          press={() => settings.nextAxis()}
+        />
+        <Press
+          label={DRAGS[drag]}
+          title={t('Holds the tool back in heavy cuts: off, light or strong (D)')}
+          isPressed={drag !== 'off'}
+          press={() => settings.nextDrag()}
+        />
+        {settings.mayMake && <Shapes settings={settings} />}
+        <StrokeChoicesView choices={choices} />
+        {spaceMouse && (
           <Press
-            key={one}
-            {...{ label, title }}
-            isPressed={one === mode}
-            press={() => settings.chooseMode(one)}
+            label={t('3D mouse')}
+            title={t('Connect a 3D mouse: the cap moves and leans the tool, the left button cuts')}
+            isPressed={spaceMouse.isThere.value}
+            press={spaceMouse.choose}
           />
-        ))}
+        )}
       </div>
-      <Press
-        label={AXES[axis]}
-        title={t('The axis of the tool: across the surface, vertical, or as the pen (L)')}
-        isPressed={axis !== 'surface'}
-        press={() => settings.nextAxis()}
-      />
-      <Press
-        label={DRAGS[drag]}
-        title={t('Holds the tool back in heavy cuts: off, light or strong (D)')}
-        isPressed={drag !== 'off'}
-        press={() => settings.nextDrag()}
-      />
-      {settings.mayMake && <Shapes settings={settings} />}
-      <StrokeChoicesView choices={choices} />
       <Depth settings={settings} />
       <Press
         label={t('Undo')}
@@ -233,14 +245,13 @@ function Controls({ settings, choices, spaceMouse, undo, redo, done }: BarProps)
         title={t('Redo (Ctrl+Shift+Z, or tap with three fingers)')}
         press={redo}
       />
-      {spaceMouse && (
-        <Press
-          label={t('3D mouse')}
-          title={t('Connect a 3D mouse: the cap moves and leans the tool, the left button cuts')}
-          isPressed={spaceMouse.isThere.value}
-          press={spaceMouse.choose}
-        />
-      )}
+      <Press
+        label={t('More')}
+        title={t('More settings of the tool')}
+        class="carve-more"
+        isPressed={isOpen.value}
+        press={() => (isOpen.value = !isOpen.value)}
+      />
       <Press
         label={t('Done')}
         title={t('Done: stop carving (Esc)')}

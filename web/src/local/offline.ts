@@ -38,7 +38,7 @@ export async function worksOffline(): Promise<void> {
   if (KERF_IS_SINGLE || !('serviceWorker' in navigator)) return;
   try {
     await navigator.serviceWorker.register('./offline.js');
-    await keepBuild();
+    if (navigator.onLine) await keepBuild();
   } catch (problem) {
     console.warn('The page will not open without a network:', problem);
   }

@@ -16,7 +16,7 @@ export function insetsOf(app: HTMLElement, width: number, height: number): Inset
   const toolbar = boxOf('toolbar');
   const timeline = boxOf('timeline');
   const actions = boxOf('main-actions'); // on phones it is at the bottom
-  const isLow = actions !== null && actions.top > height / 2;
+  const isLow = actions !== null && actions.top > height / 4;
   const bar = (boxOf('past-banner') ?? boxOf('bar'))?.bottom ?? 0;
   const top = isLow ? bar : Math.max(bar, actions?.bottom ?? 0);
   const carve = boxOf('carve-bar'); // on phones it hides panel and toolbar
