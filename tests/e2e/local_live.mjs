@@ -153,7 +153,7 @@ async function checkFault({ page, state }) {
   assert.equal(await page.locator('.program-row.marked mark').textContent(), 'Q3');
 }
 
-/** Without a network the page opens from what the browser keeps, and a hand carves. */
+/** Opens the page offline, from the browser's cache, and carves by hand. */
 async function checkOffline(browser, host) {
   const viewer = await openViewer(browser, `${host.base}/kerf.html`, DESK);
   const { page } = viewer;

@@ -26,6 +26,15 @@ class SessionToolsTest : public SessionExport {
   static SceneTool tool(const std::string& json) {
     return test::value_of(parse_scene_tool(json, 0.01));
   }
+  /// Ends the server and executes a statement in the session's journal.
+  void change_journal(const std::string& sql) {
+    ASSERT_TRUE(session_->flush());
+    const auto file = session_->journal_file();
+    session_.reset();
+    registry_.reset();
+    auto journal = test::value_of(open_journal(file, SqlMode::kWrite));
+    ASSERT_TRUE(journal.execute(sql));
+  }
   static SceneTool ball(double diameter_mm) {
     return tool(R"({"shape": "ball", "length_mm": 59, "diameter_mm": )" +
                 std::to_string(diameter_mm) + "}");
@@ -200,14 +209,7 @@ TEST_F(SessionToolsTest, AJournalWithoutTheirTableOpens) {
   create();
   stroke(join("Ada"), {-15, 0, -2}, {15, 0, -2});
   const std::uint64_t expected = hash();
-  ASSERT_TRUE(session_->flush());
-  const auto file = session_->journal_file();
-  session_.reset();
-  registry_.reset();
-  {
-    auto journal = test::value_of(open_journal(file, SqlMode::kWrite));
-    ASSERT_TRUE(journal.execute("DROP TABLE tools"));
-  }
+  change_journal("DROP TABLE tools");
   reload();
   EXPECT_EQ(hash(), expected);
   EXPECT_EQ(make(kWide).id, 3U);
@@ -218,14 +220,7 @@ TEST_F(SessionToolsTest, AJournalWithoutTheirTableOpens) {
 TEST_F(SessionToolsTest, ADamagedRowLosesOnlyItsShape) {
   carve();
   const std::uint64_t expected = hash();
-  ASSERT_TRUE(session_->flush());
-  const auto file = session_->journal_file();
-  session_.reset();
-  registry_.reset();
-  {
-    auto journal = test::value_of(open_journal(file, SqlMode::kWrite));
-    ASSERT_TRUE(journal.execute("UPDATE tools SET json='{}' WHERE tool=3"));
-  }
+  change_journal("UPDATE tools SET json='{}' WHERE tool=3");
   reload();
   EXPECT_EQ(hash(), expected);
   EXPECT_EQ(session_->scene()->tools.size(), 3U);

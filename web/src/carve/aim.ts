@@ -129,7 +129,7 @@ export class Aim {
       return this.onPlane_(ray, stroke);
     }
     const hit = surface.hit(ray);
-    // Off the block the tool goes on level, so that a stroke may run over the edge.
+    // A stroke may run over the edge: there the tool continues at the same height.
     return hit
       ? this.onSurface_(surface, hit, ray.pen)
       : this.onPlane_(ray, { ...stroke, origin: this.last_! });

@@ -3,9 +3,9 @@
 // most so many per second, and no faster than a tip may move. A jump is divided and takes its time,
 // and so does a turn of the axis.
 //
-// A gesture is what the user does between touching down and lifting, and takes back as a whole: one
-// stroke, or several if the surface has gaps, and their images. Images repeat the samples that were
-// sent, so that the kernel makes the same sub-motions in the mirror.
+// A gesture begins when the user touches down and ends when the user lifts. It consists of one stroke,
+// or of several if the surface has gaps, and of their images. One undo takes all of it back. Images
+// repeat the samples that were sent, so that the kernel divides mirrored motions in the same way.
 
 import { BUTTON_CUTTING, BUTTON_DEADMAN } from '../wire/types';
 import type { Vec3 } from '../wire/types';

@@ -19,7 +19,7 @@ async function main(): Promise<void> {
   const page = new LocalPage(document.getElementById('app')!);
   installLocalHook(page);
   page.start();
-  // Not while the page loads what it needs itself.
+  // Starts late, so that it does not delay the files that the page itself loads.
   setTimeout(() => void worksOffline(), KEEPS_AFTER_MS);
 }
 

@@ -12,7 +12,7 @@ interface Build {
   files: string[];
 }
 
-/** Asks the host whether what the browser has is still right. */
+/** A request that revalidates the browser's cached copy with the host. */
 const fromHost = (path: string): Request => new Request(path, { cache: 'no-cache' });
 
 /** Keeps all files of the newest build, then forgets those of earlier ones. */

@@ -71,7 +71,7 @@ export interface About {
   warnings: string[];
   /** Of a journal: the version that replays it. */
   kernel_version?: number;
-  /** Of a journal: the tools that the hand has made. */
+  /** The tools that were made by hand, if the block comes from a journal. */
   made?: { tool: number; record: number; created_ms: number }[];
   grid: { origin_mm: Vec3; columns: [number, number]; tile: number };
 }
@@ -146,7 +146,7 @@ function textsOf(origin: Uint8Array<ArrayBuffer>): Uint8Array<ArrayBuffer>[] {
   });
 }
 
-/** What the checksum of a tool's row covers: its texts, the author's last, then its numbers. */
+/** The bytes under the checksum of a tool's row: its texts, the author's last, then its numbers. */
 function rowBytes(json: string, ...numbers: number[]): Uint8Array {
   const texts = new TextEncoder().encode(`${json}\0\0`);
   const bytes = new Uint8Array(texts.length + 8 * numbers.length);
