@@ -37,6 +37,23 @@ void Commands::add_replay(CLI::App& app) {
       ->delimiter(',');
 }
 
+void Commands::add_merge(CLI::App& app) {
+  CLI::App* merge = app.add_subcommand(
+      "merge",
+      "writes a journal with all strokes of two copies of a block, or of two blocks of one scene; "
+      "the block is the same in whichever order they are merged");
+  merge->add_option("OURS", journal, "journal that stays first, .kerf")->required();
+  merge->add_option("THEIRS", other, "journal whose strokes it lacks, .kerf")->required();
+  merge->add_option("-o,--output", merged,
+                    "journal to write; no file is replaced. Without it, lists the strokes of "
+                    "THEIRS that OURS lacks");
+  merge
+      ->add_option("--strokes", strokes,
+                   "takes only these strokes, as the list without --output names them, separated "
+                   "by commas")
+      ->delimiter(',');
+}
+
 void Commands::add(CLI::App& app) {
   app.add_subcommand("check",
                      "reads the journals and snapshots of a data folder; exits with 1 if "
@@ -58,6 +75,7 @@ void Commands::add(CLI::App& app) {
   salvage->add_option("FILE", journal, "damaged journal, with its snapshots beside it; it stays")
       ->required();
   salvage->add_option("OUT", salvaged, "journal to write; no file is replaced")->required();
+  add_merge(app);
   add_copies(app);
 }
 
@@ -68,6 +86,7 @@ std::optional<int> Commands::run(const CLI::App& app, const std::string& nats) c
   if (app.got_subcommand("check")) return check_data(folder);
   if (app.got_subcommand("backup")) return back_up(folder, backup);
   if (app.got_subcommand("salvage")) return salvage(journal, salvaged);
+  if (app.got_subcommand("merge")) return merge(journal, other, merged, strokes);
   if (app.got_subcommand("replay")) {
     return without_strokes.empty() ? replay_journal(journal)
                                    : replay_without(journal, without_strokes);

@@ -12,10 +12,11 @@ class App;
 
 namespace kerf {
 
-/// The commands that verify, copy or salvage files instead of serving sessions, with their words.
+/// The commands that verify, copy, merge or salvage files instead of serving sessions, with their
+/// words.
 struct Commands {
-  std::string folder, journal, backup, session, fetched, salvaged;
-  std::vector<std::uint64_t> without_strokes;
+  std::string folder, journal, backup, session, fetched, salvaged, other, merged;
+  std::vector<std::uint64_t> without_strokes, strokes;
 
   void add(CLI::App& app);
   /// Runs the command, if one was named, and returns its exit status, or nullopt.
@@ -23,6 +24,7 @@ struct Commands {
 
  private:
   void add_copies(CLI::App& app);
+  void add_merge(CLI::App& app);
   void add_replay(CLI::App& app);
 };
 

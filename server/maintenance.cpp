@@ -2,11 +2,14 @@
 #include "server/maintenance.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
+#include <ctime>
 #include <expected>
 #include <string>
 #include <vector>
 
+#include "server/merge/journal_merge.h"
 #include "server/rights/grant_file.h"
 #include "server/session/hash_text.h"
 #include "server/session/journal_carve.h"
@@ -216,6 +219,54 @@ int salvage(const std::filesystem::path& file, const std::filesystem::path& to) 
   for (const std::string& line : describe_salvage(*salvaged)) std::printf("%s\n", line.c_str());
   std::printf("written: %s, up to record %s, hash %s\n", to.c_str(),
               std::to_string(salvaged->last).c_str(), hash_text(salvaged->hash).c_str());
+  return 0;
+}
+
+namespace {
+
+int refused(const MergeError& error) {
+  std::fprintf(stderr, "kerf-server: %s: %s\n", to_string(error.code), error.reason.c_str());
+  return 1;
+}
+
+std::string utc_text(std::int64_t wall_ms) {
+  const std::time_t seconds = wall_ms / 1000;
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  std::array<char, 24> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%SZ", &parts);
+  return text.data();
+}
+
+void print(const OtherStroke& stroke) {
+  std::printf("stroke %llu by %s, %s: %llu motions%s\n", static_cast<unsigned long long>(stroke.id),
+              stroke.author.empty() ? "someone" : stroke.author.c_str(),
+              utc_text(stroke.begin_ms).c_str(), static_cast<unsigned long long>(stroke.motions),
+              stroke.is_undone ? ", undone" : "");
+}
+
+}  // namespace
+
+int merge(const std::filesystem::path& ours, const std::filesystem::path& theirs,
+          const std::filesystem::path& to, const std::vector<std::uint64_t>& strokes) {
+  if (to.empty()) {
+    const auto missing = strokes_to_merge(ours, theirs);
+    if (!missing) return refused(missing.error());
+    for (const OtherStroke& stroke : *missing) print(stroke);
+    std::printf("%zu strokes of %s are not in %s\n", missing->size(), theirs.c_str(), ours.c_str());
+    return 0;
+  }
+  const auto chosen =
+      strokes.empty() ? std::nullopt : std::optional(StrokeSet(strokes.begin(), strokes.end()));
+  const auto merged = merge_journals(ours, theirs, to, chosen);
+  if (!merged) return refused(merged.error());
+  for (const OtherStroke& stroke : merged->strokes) print(stroke);
+  std::printf(
+      "written: %s, %llu records, with %zu strokes (%llu motions), %zu tools, %zu people and %zu "
+      "pins of %s; undone %zu, redone %zu; hash %s\n",
+      to.c_str(), static_cast<unsigned long long>(merged->last), merged->strokes.size(),
+      static_cast<unsigned long long>(merged->motions), merged->tools, merged->people, merged->pins,
+      theirs.c_str(), merged->undone, merged->redone, hash_text(merged->hash).c_str());
   return 0;
 }
 

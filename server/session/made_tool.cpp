@@ -17,7 +17,7 @@ std::optional<MadeTool> made_tool_of(const ListRow& row, double tolerance_mm) {
   auto tool = parse_scene_tool(std::get<std::string>(row.at(3)), tolerance_mm);
   if (!tool) return std::nullopt;
   return MadeTool{.id = static_cast<ToolId>(id),
-                  .record = record_of(row),
+                  .record = static_cast<std::uint64_t>(std::get<std::int64_t>(row.at(1))),
                   .created_ms = std::get<std::int64_t>(row.at(2)),
                   .tool = *std::move(tool),
                   .author = std::get<std::string>(row.at(4))};

@@ -16,6 +16,7 @@
 #include "server/store/journal_reader.h"
 #include "server/store/list_table.h"
 #include "server/store/record_batch.h"
+#include "server/store/record_origins.h"
 #include "server/store/record_rows.h"
 #include "server/store/table_copy.h"
 
@@ -61,9 +62,22 @@ SqlResult<void> copy_tables(SqlDatabase& from, SqlDatabase& to, std::uint64_t la
   const auto lists = read_lists(from, last);
   if (!lists) return std::unexpected(lists.error());
   for (const auto& [table, rows] : *lists) {
+    if (table == kOriginsTable) continue;
     for (const ListRow& row : rows) {
       if (auto ok = store_list_change(to, {.table = table, .stored = row}); !ok) return ok;
     }
+  }
+  return {};
+}
+
+/// Stores the origins of all records, also of those for which `journal` stores none: the branch is
+/// another session.
+SqlResult<void> store_origins(const JournalReader& journal, SqlDatabase& to, std::uint64_t last) {
+  const RecordOrigins origins(journal.header().session, journal.parent(),
+                              journal.lists().at(std::string(kOriginsTable)), last);
+  for (const OriginRow& row : origins.rows()) {
+    if (auto ok = store_list_change(to, {.table = kOriginsTable, .stored = to_row(row)}); !ok)
+      return ok;
   }
   return {};
 }
@@ -105,7 +119,8 @@ std::expected<void, JournalError> copy_rest(const std::filesystem::path& file, S
   return {};
 }
 
-std::expected<void, JournalError> fill(const std::filesystem::path& from, SqlDatabase& to,
+std::expected<void, JournalError> fill(const std::filesystem::path& from,
+                                       const JournalReader& journal, SqlDatabase& to,
                                        const JournalParent& parent) {
   auto source = open_journal(from, SqlMode::kRead);
   if (!source) return std::unexpected(source.error());
@@ -119,6 +134,7 @@ std::expected<void, JournalError> fill(const std::filesystem::path& from, SqlDat
   if (auto ok = done(to.execute("BEGIN;DELETE FROM kernel_versions")); !ok) return ok;
   if (auto ok = done(store_parent(to, parent)); !ok) return ok;
   if (auto ok = done(copy_tables(*source, to, parent.record)); !ok) return ok;
+  if (auto ok = done(store_origins(journal, to, parent.record)); !ok) return ok;
   if (auto ok = copy_rest(from, *source, to, parent.record); !ok) return ok;
   return done(to.execute("COMMIT; PRAGMA journal_mode=WAL"));
 }
@@ -135,11 +151,12 @@ std::expected<void, JournalError> rename_branch(const std::filesystem::path& cop
 /// Writes the copy and closes it.
 std::expected<void, JournalError> write_branch(const std::filesystem::path& from,
                                                const std::filesystem::path& copy,
+                                               const JournalReader& journal,
                                                const JournalHeader& header,
                                                const JournalParent& parent) {
   auto database = create_journal(copy, header, CreateMode::kCopy);
   if (!database) return std::unexpected(database.error());
-  return fill(from, *database, parent);
+  return fill(from, journal, *database, parent);
 }
 
 }  // namespace
@@ -155,7 +172,7 @@ std::expected<void, JournalError> branch_journal(const std::filesystem::path& fr
   const std::filesystem::path copy = unfinished_file(to);
   remove_journal(copy);  // possibly left by a crash
   try {
-    auto written = write_branch(from, copy, header, parent);
+    auto written = write_branch(from, copy, *reader, header, parent);
     if (written) written = rename_branch(copy, to);
     if (!written) remove_journal(copy);
     return written;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
@@ -26,9 +27,10 @@ struct JournalTable {
   std::string_view create;   ///< statement that creates it in a copy; empty if every journal has it
   /// For lists: a row refers to a record, and is left out of a journal without that record.
   bool needs_record = false;
+  std::size_t record_column = 1;  ///< for lists: the column with the number of a row's record
 };
 
-inline constexpr std::array<JournalTable, 14> kJournalTables = {{
+inline constexpr std::array<JournalTable, 15> kJournalTables = {{
     {1, "session", TableKind::kSmall, "ttiti", "", ""},
     {2, "participants", TableKind::kSmall, "ittt", "participant", ""},
     {3, "kernel_versions", TableKind::kSmall, "ii", "sequence", ""},
@@ -64,6 +66,10 @@ inline constexpr std::array<JournalTable, 14> kJournalTables = {{
      "CREATE TABLE IF NOT EXISTS tools(tool INTEGER PRIMARY KEY, record INTEGER NOT NULL, "
      "created_ms INTEGER NOT NULL, json TEXT NOT NULL, author TEXT NOT NULL, crc INTEGER NOT NULL)",
      true},
+    {15, "origins", TableKind::kList, "itiii", "first",
+     "CREATE TABLE IF NOT EXISTS origins(first INTEGER PRIMARY KEY, writer TEXT NOT NULL, number "
+     "INTEGER NOT NULL, clock INTEGER NOT NULL, crc INTEGER NOT NULL)",
+     false, 0},
 }};
 
 }  // namespace kerf

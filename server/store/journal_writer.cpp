@@ -14,6 +14,7 @@
 
 #include "server/platform/clock.h"
 #include "server/store/journal_group.h"
+#include "server/store/record_origins.h"
 
 namespace kerf {
 
@@ -21,6 +22,25 @@ namespace {
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Stores that the records after `last` are those of a new writer (record_origins.h), instead of
+/// those that a crash has taken back.
+SqlResult<void> begin_writer(SqlDatabase& database, std::uint64_t last) {
+  const auto lists = read_lists(database, last);
+  if (!lists) return std::unexpected(lists.error());
+  const auto rows = lists->find(kOriginsTable);
+  const RecordOrigins origins({}, {}, rows->second, last);
+  if (auto ok = database.execute("BEGIN;DELETE FROM origins WHERE first>" + std::to_string(last));
+      !ok) {
+    return ok;
+  }
+  auto row = to_row(new_writer(last + 1, origins.next_clock()));
+  if (auto ok = store_list_change(database, {.table = kOriginsTable, .stored = std::move(row)});
+      !ok) {
+    return ok;
+  }
+  return database.execute("COMMIT");
 }
 
 }  // namespace
@@ -196,6 +216,9 @@ std::expected<JournalWriter, JournalError> JournalWriter::create(const std::file
                                                                  const JournalHeader& header) {
   auto database = create_journal(file, header);
   if (!database) return std::unexpected(database.error());
+  if (auto ok = begin_writer(*database, 0); !ok) {
+    return std::unexpected(to_journal_error(file, ok.error()));
+  }
   auto groups = JournalGroups::prepare(*std::move(database));
   if (!groups) return std::unexpected(to_journal_error(file, groups.error()));
   return JournalWriter(std::make_unique<Impl>(file, *std::move(groups), 0, 1));
@@ -210,6 +233,9 @@ std::expected<JournalWriter, JournalError> JournalWriter::open(const std::filesy
   if (auto ok = database->execute("DELETE FROM state_hashes" + beyond +
                                   ";DELETE FROM kernel_versions" + beyond);
       !ok) {
+    return std::unexpected(to_journal_error(file, ok.error()));
+  }
+  if (auto ok = begin_writer(*database, last_sequence); !ok) {
     return std::unexpected(to_journal_error(file, ok.error()));
   }
   const auto epoch = database->integer("SELECT epoch FROM session");

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "server/store/crc32.h"
-#include "server/store/journal_tables.h"
 
 namespace kerf {
 namespace {
@@ -89,8 +88,8 @@ SqlResult<void> each_row(SqlDatabase& database, const JournalTable& table,
 
 }  // namespace
 
-std::uint64_t record_of(const ListRow& row) {
-  return static_cast<std::uint64_t>(std::get<std::int64_t>(row.at(1)));
+std::uint64_t record_of(const JournalTable& table, const ListRow& row) {
+  return static_cast<std::uint64_t>(std::get<std::int64_t>(row.at(table.record_column)));
 }
 
 SqlResult<void> create_list_tables(SqlDatabase& database) {
@@ -115,7 +114,7 @@ SqlResult<Lists> read_lists(SqlDatabase& database, std::uint64_t last) {
     if (table.kind != TableKind::kList) continue;
     std::vector<ListRow> list;
     const auto read = each_row(database, table, [&](ListRow row, bool is_good) {
-      if (is_good && record_of(row) <= last) list.push_back(std::move(row));
+      if (is_good && record_of(table, row) <= last) list.push_back(std::move(row));
     });
     if (!read) return std::unexpected(read.error());
     lists.emplace(table.name, std::move(list));

@@ -9,12 +9,13 @@
 #include <variant>
 #include <vector>
 
+#include "server/store/journal_tables.h"
 #include "server/store/sqlite.h"
 
 namespace kerf {
 
 /// A row of a list that people keep with a block (TableKind::kList): its columns without the
-/// checksum. The first one is the key, the second one a record number.
+/// checksum. The first one is the key; one of them is a record number (JournalTable).
 using ListValue = std::variant<std::int64_t, std::string>;
 using ListRow = std::vector<ListValue>;
 /// Rows by the name of their table, each table ordered by its key.
@@ -28,8 +29,8 @@ struct ListChange {
   std::optional<ListRow> stored = std::nullopt;     ///< replaces the row with its key, if any
 };
 
-/// Returns the record number of a row.
-std::uint64_t record_of(const ListRow& row);
+/// Returns the record number of a row of a table.
+std::uint64_t record_of(const JournalTable& table, const ListRow& row);
 
 /// Creates missing tables of lists.
 SqlResult<void> create_list_tables(SqlDatabase& database);

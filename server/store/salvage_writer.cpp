@@ -100,7 +100,7 @@ std::expected<std::vector<std::string>, JournalError> SalvageWriter::copy_rest(
   for (const auto& [name, rows] : journal.lists()) {
     const JournalTable& table = *std::ranges::find(kJournalTables, name, &JournalTable::name);
     for (const ListRow& row : rows) {
-      const std::uint64_t record = record_of(row);
+      const std::uint64_t record = record_of(table, row);
       if (record > last || (table.needs_record && record < first)) {
         left_out.push_back("the row " + key_text(row) + " of the table " + name + ", of record " +
                            std::to_string(record));
