@@ -16,6 +16,7 @@ import { HandLink } from './hand_link';
 import type { FromWorker, ToWorker } from './messages';
 import { translated } from './reasons';
 import type { JournalParts } from './program_block';
+import { newWriter } from './record_origins';
 
 /** Between two times at which strokes are kept in the browser. */
 const KEEP_EVERY_MS = 3000;
@@ -40,6 +41,8 @@ export class LocalHand {
   private link_: HandLink | null = null;
   private people_: readonly ParticipantInfo[] = [];
   private own_: ParticipantInfo | null = null; // once it has carved this block
+  /** Of the records that the page adds to the block. */
+  private writer_ = newWriter();
   private isSaved_ = true;
   /** Whether the block has strokes that only the browser has kept. */
   private isRestored_ = false;
@@ -105,6 +108,7 @@ export class LocalHand {
     this.link_?.drop();
     this.people_ = people;
     this.own_ = null;
+    this.writer_ = newWriter();
     this.isSaved_ = true;
     this.isRestored_ = false;
     clearTimeout(this.keepTimer_);
@@ -195,7 +199,8 @@ export class LocalHand {
     try {
       const { writeKerfFile } = await import('./kerf_file_writer');
       const own = this.own_ ? [{ ...this.own_, name: this.name_() }] : [];
-      const bytes = await writeKerfFile(parts, [...this.others_(), ...own], this.host.file());
+      const people = [...this.others_(), ...own];
+      const bytes = await writeKerfFile(parts, people, this.host.file(), this.writer_);
       const name = `${new TextDecoder().decode(parts.id)}.kerf`;
       if (what === 'autosave') {
         await keepStrokes({ name, bytes, atMs: Date.now() });

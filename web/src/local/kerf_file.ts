@@ -63,13 +63,14 @@ function bytesOf(value: SqlValue | undefined): Uint8Array {
   return value instanceof Uint8Array ? value : new TextEncoder().encode(String(value ?? ''));
 }
 
-function each(database: Database, query: string, use: (row: SqlValue[]) => void): void {
+export function each(database: Database, query: string, use: (row: SqlValue[]) => void): void {
   const rows = database.prepare(query);
   while (rows.step()) use(rows.get());
   rows.free();
 }
 
-function integer(database: Database, query: string): number {
+/** The first column of the last row of a query; 0: none. */
+export function integer(database: Database, query: string): number {
   let found = 0;
   each(database, query, ([value]) => (found = Number(value ?? 0)));
   return found;

@@ -6,6 +6,7 @@ import type { Database } from 'sql.js';
 import type { ParticipantInfo } from '../wire/types';
 import { APPLICATION_ID, openDatabase, rowsOf, VERSION } from './kerf_file';
 import type { JournalParts } from './program_block';
+import { beginWriter } from './record_origins';
 
 /** As server/store/journal_file.cpp: the table of the records has the last page. */
 const TABLES = `
@@ -71,16 +72,19 @@ function extend(database: Database, parts: JournalParts, people: readonly Partic
 
 /**
  * Returns the bytes of the file. `people`: the authors of its records but the session itself.
- * `before`: the file that the block was opened from, all of which stays; null: none.
+ * `before`: the file that the block was opened from, all of which stays; null: none. `writer`: of
+ * the records since (record_origins.ts).
  */
 export async function writeKerfFile(
   parts: JournalParts,
   people: readonly ParticipantInfo[],
   before: Uint8Array | null,
+  writer: string,
 ): Promise<Uint8Array<ArrayBuffer>> {
   const database = await openDatabase(before);
   try {
     if (!before) begin(database, parts);
+    beginWriter(database, writer);
     extend(database, parts, people);
     return new Uint8Array(database.export());
   } finally {
