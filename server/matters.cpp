@@ -2,6 +2,7 @@
 #include "server/matters.h"
 
 #include "server/downloads/download_routes.h"
+#include "server/merge/merge_routes.h"
 #include "server/people/people_routes.h"
 #include "server/pictures/picture_routes.h"
 #include "server/pins/pin_routes.h"
@@ -33,6 +34,7 @@ constexpr Registered kMatters[] = {
     {nullptr, &http_pictures},
     {nullptr, &http_probe},
     {nullptr, &http_tools},
+    {nullptr, &http_merge},
 };
 
 }  // namespace

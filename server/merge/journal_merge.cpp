@@ -62,33 +62,18 @@ std::optional<MergeError> unknown_stroke(const StrokeTable& theirs,
   return std::nullopt;
 }
 
-/// Appends what `sides.theirs` has more to the copy, carves the result and stores its hash.
-std::expected<MergedJournal, MergeError> extend(const std::filesystem::path& copy,
-                                                const Sides& sides,
-                                                const std::filesystem::path& theirs,
-                                                const std::optional<StrokeSet>& chosen,
-                                                const std::stop_token& stop) {
-  auto writer = JournalWriter::open(copy, sides.ours.last());
-  if (!writer) return failed(writer.error());
-  StrokeMerger merger(sides.ours, sides.theirs, chosen, *writer);
-  auto reader = JournalReader::open(theirs, RecordOrder::kSequence, stop);
-  if (!reader) return failed(reader.error());
-  for (;;) {
-    const auto record = reader->next();
-    if (!record) return failed(record.error());
-    // Records that were appended since the sides were read are left for the next merge.
-    if (!*record || (*record)->sequence > sides.theirs.last()) break;
-    if (auto ok = merger.take(**record); !ok) return failed(ok.error());
-  }
-  if (auto ok = merger.take_rest(); !ok) return failed(ok.error());
-  if (auto ok = writer->flush(); !ok) return failed(ok.error());
-  const auto carved = carve_without(copy, {});
+/// Carves a merged journal and stores the hash of its block.
+std::expected<void, MergeError> store_hash(const std::filesystem::path& journal,
+                                           MergedJournal& merged) {
+  const auto carved = carve_without(journal, {});
   if (!carved) return std::unexpected(MergeError{kJournal, carved.error()});
-  if (merger.merged().last > 0) writer->append(StateHash{merger.merged().last, carved->hash});
-  if (auto ok = writer->finish(); !ok) return failed(ok.error());
-  MergedJournal merged = merger.merged();
   merged.hash = carved->hash;
-  return merged;
+  if (merged.last == 0) return {};
+  auto writer = JournalWriter::open(journal, merged.last);
+  if (!writer) return failed(writer.error());
+  writer->append(StateHash{merged.last, merged.hash});
+  if (auto ok = writer->finish(); !ok) return failed(ok.error());
+  return {};
 }
 
 }  // namespace
@@ -130,20 +115,41 @@ std::expected<std::vector<OtherStroke>, MergeError> strokes_to_merge(
   return strokes;
 }
 
+std::expected<MergedJournal, MergeError> append_merged(const std::filesystem::path& ours,
+                                                       const std::filesystem::path& theirs,
+                                                       const std::optional<StrokeSet>& chosen,
+                                                       const std::stop_token& stop) {
+  const auto sides = read_sides(ours, theirs, stop);
+  if (!sides) return std::unexpected(sides.error());
+  if (auto fault = unknown_stroke(sides->theirs.strokes, chosen)) return std::unexpected(*fault);
+  auto writer = JournalWriter::open(ours, sides->ours.last());
+  if (!writer) return failed(writer.error());
+  StrokeMerger merger(sides->ours, sides->theirs, chosen, *writer);
+  auto reader = JournalReader::open(theirs, RecordOrder::kSequence, stop);
+  if (!reader) return failed(reader.error());
+  for (;;) {
+    const auto record = reader->next();
+    if (!record) return failed(record.error());
+    // Records that were appended since the sides were read are left for the next merge.
+    if (!*record || (*record)->sequence > sides->theirs.last()) break;
+    if (auto ok = merger.take(**record); !ok) return failed(ok.error());
+  }
+  if (auto ok = merger.take_rest(); !ok) return failed(ok.error());
+  if (auto ok = writer->finish(); !ok) return failed(ok.error());
+  return merger.merged();
+}
+
 std::expected<MergedJournal, MergeError> merge_journals(const std::filesystem::path& ours,
                                                         const std::filesystem::path& theirs,
                                                         const std::filesystem::path& out,
-                                                        const std::optional<StrokeSet>& chosen,
-                                                        const std::stop_token& stop) {
+                                                        const std::optional<StrokeSet>& chosen) {
   const auto copy = unfinished_journal(out);
   if (!copy) return failed(copy.error());
   if (auto ok = copy_journal(ours, *copy); !ok) return failed(ok.error());
-  auto merged = [&]() -> std::expected<MergedJournal, MergeError> {
-    const auto sides = read_sides(*copy, theirs, stop);
-    if (!sides) return std::unexpected(sides.error());
-    if (auto fault = unknown_stroke(sides->theirs.strokes, chosen)) return std::unexpected(*fault);
-    return extend(*copy, *sides, theirs, chosen, stop);
-  }();
+  auto merged = append_merged(*copy, theirs, chosen);
+  if (merged) {
+    if (auto ok = store_hash(*copy, *merged); !ok) merged = std::unexpected(ok.error());
+  }
   if (merged) {
     if (const std::error_code error = rename_new(*copy, out)) {
       merged = std::unexpected(MergeError{kJournal, out.string() + ": " + error.message()});

@@ -48,23 +48,32 @@ struct MergedJournal {
   std::uint64_t hash = 0;              ///< of the block
 };
 
+/// Maximum number of records of a file that a request sends.
+inline constexpr std::uint64_t kMergeRecordsMax = 10'000'000;
+
 /// Returns the strokes with motions that `ours` lacks, in the order of `theirs`.
 std::expected<std::vector<OtherStroke>, MergeError> strokes_to_merge(
     const std::filesystem::path& ours, const std::filesystem::path& theirs,
     const std::stop_token& stop = {});
 
-/// Writes a journal with the records of `ours` and after them the motions of `theirs` that it
-/// lacks, those of `chosen` strokes if given. What a motion cuts depends on nothing else, so the
-/// block is the same in whichever order, and however often, copies are merged.
+/// Appends the motions of `theirs` that the journal `ours` lacks, those of `chosen` strokes if
+/// given. What a motion cuts depends on nothing else, so the block is the same in whichever order,
+/// and however often, copies are merged. Nobody else may write `ours`; after an error it may have a
+/// part of the motions.
 ///
 /// A record is known by its origin (record_origins.h), a tool by its outline. If both journals undo
 /// or redo a stroke, the change with the greater (Lamport time, writer) holds. Pins are taken;
-/// named versions of `theirs` are not, because the merged journal never had their states. `out`
-/// must not exist and appears once it has been carved and is complete. Both journals may be in use.
-std::expected<MergedJournal, MergeError> merge_journals(const std::filesystem::path& ours,
-                                                        const std::filesystem::path& theirs,
-                                                        const std::filesystem::path& out,
-                                                        const std::optional<StrokeSet>& chosen = {},
-                                                        const std::stop_token& stop = {});
+/// named versions of `theirs` are not, because the merged journal never had their states. Does not
+/// carve: MergedJournal::hash is 0.
+std::expected<MergedJournal, MergeError> append_merged(const std::filesystem::path& ours,
+                                                       const std::filesystem::path& theirs,
+                                                       const std::optional<StrokeSet>& chosen = {},
+                                                       const std::stop_token& stop = {});
+
+/// Writes a copy of `ours` with the motions of `theirs` (append_merged), carves it and stores its
+/// hash. `out` must not exist and appears once it is complete. Both journals may be in use.
+std::expected<MergedJournal, MergeError> merge_journals(
+    const std::filesystem::path& ours, const std::filesystem::path& theirs,
+    const std::filesystem::path& out, const std::optional<StrokeSet>& chosen = {});
 
 }  // namespace kerf

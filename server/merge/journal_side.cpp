@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/merge/journal_side.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "server/session/replay.h"
@@ -35,6 +36,14 @@ std::expected<JournalSide, JournalError> read_side(const std::filesystem::path& 
         JournalErrorCode::kCorrupt, file.string(), base,
         "the file is salvaged: the motions up to this record are lost, so nobody can tell which "
         "strokes it has; merge a backup instead"});
+  }
+  const auto damaged = reader->damaged_rows();
+  if (!damaged) return std::unexpected(damaged.error());
+  if (std::ranges::any_of(*damaged, [](const auto& rows) { return rows.table == kOriginsTable; })) {
+    return std::unexpected(JournalError{
+        JournalErrorCode::kCorrupt, file.string(), 0,
+        "a row of the table origins is damaged, so nobody can tell which strokes both files have; "
+        "merge a backup instead"});
   }
   const auto scene = journal_scene(*reader, file, stop);
   if (!scene) return std::unexpected(scene.error());

@@ -68,7 +68,13 @@ ParticipantId StrokeMerger::participant_of(ParticipantId theirs) {
 std::expected<ToolId, JournalError> StrokeMerger::tool_of(ToolId theirs) {
   const auto known = tools_.find(theirs);
   if (known != tools_.end()) return known->second;
-  const auto& [tool, record] = their_tools_.at(theirs);
+  const auto defined_there = their_tools_.find(theirs);
+  if (defined_there == their_tools_.end()) {
+    return std::unexpected(JournalError{
+        JournalErrorCode::kCorrupt, theirs_.header.session, 0,
+        "a motion uses tool " + std::to_string(theirs) + ", which no record before it defines"});
+  }
+  const auto& [tool, record] = defined_there->second;
   const auto same = our_tools_.find(theirs);
   const bool keeps_number = same != our_tools_.end() && same->second == tool;
   const auto equal = keeps_number ? same : std::ranges::find_if(our_tools_, [&](const auto& one) {

@@ -6,11 +6,33 @@
 #include "server/platform/clock.h"
 #include "server/session/session_registry.h"
 #include "server/store/journal_branch.h"
+#include "server/store/journal_file.h"
 
 namespace kerf {
+namespace {
+
+/// Writes the journal of a branch. An extended one gets its name once it is complete.
+std::expected<void, JournalError> write_branch(const std::filesystem::path& from,
+                                               const std::filesystem::path& to,
+                                               const std::string& id, const JournalParent& point,
+                                               const SessionRegistry::ExtendJournal& extend) {
+  if (!extend) return branch_journal(from, to, id, point);
+  const auto unfinished = unfinished_journal(to);
+  if (!unfinished) return std::unexpected(unfinished.error());
+  auto written = branch_journal(from, *unfinished, id, point);
+  if (written) written = extend(*unfinished);
+  if (const auto error = written ? rename_new(*unfinished, to) : std::error_code()) {
+    written = std::unexpected(JournalError{JournalErrorCode::kIo, to.string(), 0, error.message()});
+  }
+  remove_journal(*unfinished);
+  return written;
+}
+
+}  // namespace
 
 std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::branch(
-    std::string id, Session& parent, std::uint64_t record, const std::stop_token& stop) {
+    std::string id, Session& parent, std::uint64_t record, const std::stop_token& stop,
+    const ExtendJournal& extend) {
   using enum RegistryErrorCode;
   if (!id.empty() && !is_session_id(id)) {
     return std::unexpected(RegistryError{
@@ -34,7 +56,7 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::branch(
   const std::uint64_t last = std::max<std::uint64_t>(record, parent.tools().first_tools());
   const JournalParent point{parent.id(), last, parent.epoch(), Clock::wall_ms()};
   const auto write = [&](const std::string& branch) {
-    return branch_journal(parent.journal_file(), journal_path(branch), branch, point);
+    return write_branch(parent.journal_file(), journal_path(branch), branch, point, extend);
   };
   return start_new(*reserved, write, stop);
 }

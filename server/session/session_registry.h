@@ -202,11 +202,15 @@ class SessionRegistry {
                                                                 const SceneSource& source);
   /// Starts a session that begins as `parent` was after an existing record: with its strokes,
   /// undone or not, its participants and its versions. `parent` continues undisturbed. If `id` is
-  /// empty, a unique one is derived from the scene's name. Fails with kStopped soon after a stop
-  /// was requested.
+  /// empty, a unique one is derived from the scene's name. `extend`, if given, appends to the
+  /// branch's journal before it is carved; its error is returned. Fails with kStopped soon after a
+  /// stop was requested.
+  using ExtendJournal =
+      std::function<std::expected<void, JournalError>(const std::filesystem::path&)>;
   std::expected<std::shared_ptr<Session>, RegistryError> branch(std::string id, Session& parent,
                                                                 std::uint64_t record,
-                                                                const std::stop_token& stop = {});
+                                                                const std::stop_token& stop = {},
+                                                                const ExtendJournal& extend = {});
   /// Returns the scene that create() would use now, with its resolved accuracy, or its error.
   std::expected<Scene, RegistryError> check(const std::string& id, std::string_view scene_text,
                                             const SceneSource& source) const;

@@ -197,6 +197,14 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
                                           std::to_string(kOldestJournalVersion) + " to " +
                                           std::to_string(kJournalVersion)));
   }
+  // A journal has tables only. Views and triggers of a stranger's file would run with each query.
+  const auto foreign =
+      database->integer("SELECT count(*) FROM sqlite_master WHERE type IN ('view', 'trigger')");
+  if (!foreign) return std::unexpected(to_journal_error(file, foreign.error()));
+  if (*foreign > 0) {
+    return std::unexpected(make_error(JournalErrorCode::kNotAJournal, file,
+                                      "the file has views or triggers, which no journal has"));
+  }
   if (mode == SqlMode::kWrite) {
     std::filesystem::remove(file.string() + kCopiedSuffix, ignored);  // usually absent
     const std::string setup = "PRAGMA synchronous=FULL; UPDATE session SET epoch=epoch+1";

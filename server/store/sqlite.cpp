@@ -108,6 +108,7 @@ SqlResult<SqlDatabase> SqlDatabase::open(const std::filesystem::path& file, SqlM
   SqlDatabase database(raw);
   if (code != SQLITE_OK) return std::unexpected(last_error(raw));
   sqlite3_busy_timeout(raw, 5000);
+  sqlite3_db_config(raw, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);  // files come from anywhere
   if (mode == SqlMode::kRead) {
     if (auto ok = database.execute("PRAGMA query_only=ON"); !ok) return std::unexpected(ok.error());
   }

@@ -410,6 +410,11 @@ TEST_F(JournalMergeErrors, ADamagedFile) {
   EXPECT_EQ(error(copies.file(other)), MergeErrorCode::kJournal);
 }
 
+TEST_F(JournalMergeErrors, ADamagedOrigin) {
+  execute("UPDATE origins SET crc=crc+1 WHERE first=(SELECT max(first) FROM origins)");
+  EXPECT_EQ(error(copies.file(other)), MergeErrorCode::kJournal);
+}
+
 TEST_F(JournalMergeErrors, ASalvagedFile) {
   execute(
       "CREATE TABLE files(name TEXT PRIMARY KEY, bytes BLOB NOT NULL, crc INTEGER NOT NULL);"
