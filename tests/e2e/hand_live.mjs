@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // End-to-end test of carving by hand in kerf.html, without a server: strokes with the mouse, undo
 // and redo. The .kerf file that the page writes is replayed by kerf-server to the same hash, served by
-// it, and opened by the page, which carves on; unsaved strokes are kept. See README.md.
+// it, and opened by the page, which carves on; unsaved strokes are kept. Two continuations of one file
+// are merged. See README.md.
 //
 // node hand_live.mjs --server PROGRAM --web FOLDER --out FOLDER
 
@@ -56,13 +57,13 @@ async function checkHand(viewer) {
 }
 
 /** A journal that another has begun: strokes are added, none of what it had is lost. */
-async function checkReopened(viewer, file, before) {
+async function checkReopened(viewer, file, before, y = 0.5) {
   await dropFiles(viewer.page, { 'again.kerf': await readFile(file) });
   const opened = await settled(viewer, 'journal', ({ hash }) => hash === before.hash);
   await viewer.page.getByText('Verified up to step', { exact: false }).waitFor();
   await viewer.page.keyboard.press('c');
   await isJoined(viewer);
-  return carvedMore(viewer, opened, 0.5);
+  return carvedMore(viewer, opened, y);
 }
 
 /** Lets a dialog of the browser be answered, and says what it was. */
@@ -159,9 +160,24 @@ async function checkServed(file, folder, { hash }) {
   }
 }
 
+/** Two files that the page has continued from one merge in both orders to one block. */
+function checkMerged(folder, files) {
+  const hashes = [files, files.toReversed()].map((pair, n) => {
+    const out = join(folder, `both-${n}.kerf`);
+    const { stdout, stderr } = spawnSync(options.server, ['merge', ...pair, '-o', out], {
+      encoding: 'utf8',
+    });
+    assert.match(stdout, /stroke \d+ by Ada, .* motions\n/, stderr);
+    const [, strokes, hash] = /with (\d+) strokes .* hash ([0-9a-f]{16})/.exec(stdout);
+    assert.equal(strokes, '1', stdout);
+    return hash;
+  });
+  assert.equal(hashes[0], hashes[1]);
+}
+
 async function test(folder) {
   const host = await serveFiles(options.web);
-  const files = ['first', 'second'].map((name) => join(folder, `${name}.kerf`));
+  const files = ['first', 'second', 'third'].map((name) => join(folder, `${name}.kerf`));
   await withBrowser(async (browser) => {
     const viewer = await openViewer(browser, `${host.base}/kerf.html`, DESK, {
       reducedMotion: 'reduce',
@@ -181,7 +197,10 @@ async function test(folder) {
     await photograph(viewer, join(options.out, 'hand-phone.png'));
     await viewer.page.setViewportSize(DESK);
     await savedTo(viewer, files[1]);
+    await checkReopened(viewer, files[0], first, 0.4);
+    await savedTo(viewer, files[2]);
     assert.deepEqual(viewer.problems, []);
+    checkMerged(folder, files.slice(1));
     await checkServed(files[1], folder, second);
   });
 }
