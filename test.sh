@@ -86,7 +86,7 @@ run_ctest() {
 run_web_tests() {
   if [ -n "$FILTER" ] && ! [[ web =~ $FILTER ]]; then return; fi
   say "Tests: web"
-  (cd web && npx --no-install vitest run --reporter=default --reporter=json \
+  (cd web && npx --no-install vitest run --maxWorkers="$JOBS" --minWorkers=1 --reporter=default --reporter=json \
     --outputFile.json="$RESULTS/vitest.json") || true
   [ -s "$RESULTS/vitest.json" ] || echo '{"numPassedTests":0,"numFailedTests":1}' >"$RESULTS/vitest.json"
 }
