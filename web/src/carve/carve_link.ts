@@ -4,21 +4,29 @@
 
 import { t } from '../strings';
 import type { BlockCopy } from '../kernel/block_copy';
-import { socketUrl } from '../link/address';
 import { Backoff } from '../link/backoff';
-import { notePerson, personIn } from '../link/kept_person';
 import { Servers } from '../link/servers';
 import { Silence } from '../link/silence';
 import type { Socket } from '../link/socket';
+import type { Stroke } from '../model/stroke';
 import { parseAgentControl } from '../wire/agent_control';
 import type { AgentHello, AgentMessage, AgentRequest, AgentWelcome } from '../wire/agent_control';
 import { decodeFrame } from '../wire/decode';
 import { encodeFrame } from '../wire/encode';
-import { AGENT_PROTOCOL, FrameType, STOCK_RESET } from '../wire/types';
+import {
+  AGENT_PROTOCOL,
+  BUTTON_CUTTING,
+  FrameType,
+  STATUS_REJECTED,
+  STOCK_RESET,
+  STOCK_RETURNED,
+} from '../wire/types';
 import type { Header, Payload, Result, Sample } from '../wire/types';
+import { Changes } from './changes';
 import { Pace } from './pace';
 import { SampleLog } from './sample_log';
 import type { Draft } from './sample_log';
+import { StrokeCensus } from './stroke_census';
 
 export type CarveStatus = 'off' | 'joining' | 'ready' | 'lost';
 
@@ -29,7 +37,7 @@ export interface CarveLinkEvents {
   result(result: Pick<Result, 'force_n' | 'agent_sequence' | 'motions_applied'>): void;
   /** A motion was rejected, or a stroke was not undone. */
   rejected(code: string, reason: string): void;
-  /** One of its own strokes was undone (true) or redone. */
+  /** Own strokes were undone (true) or redone. */
   changed(undone: boolean): void;
 }
 
@@ -48,6 +56,8 @@ export type AgentLink = Pick<
   | 'retryNow'
   | 'send'
   | 'ask'
+  | 'change'
+  | 'accepted'
 >;
 
 export interface CarveLinkOptions {
@@ -63,16 +73,14 @@ export interface CarveLinkOptions {
   token?: string;
   /** The token with which the next page continues. */
   keep?: (token: string) => void;
+  /** The session's strokes that begin at a record or later. */
+  list: (since: number) => Promise<readonly Stroke[]>;
   backoff?: Backoff;
 }
 
 const PING_EVERY_MS = 1000; // pongs state the durable sequence, also while the tool rests
 const UNANSWERED_MAX = 512; // half a second at full rate: a slow server is not flooded
 const AGAIN_EVERY_MS = 20;
-
-function isChange({ type }: AgentRequest): boolean {
-  return type === 'undo' || type === 'redo';
-}
 
 export class CarveLink {
   private socket_: Socket | null = null;
@@ -94,9 +102,9 @@ export class CarveLink {
   private readonly log_ = new SampleLog();
   private again_: Sample[] = []; // to be sent again before new ones
   private againTimer_: ReturnType<typeof setTimeout> | undefined;
-  /** Wait for the answer to the undo or redo before them: the server makes one at a time. */
-  private asks_: AgentRequest[] = [];
-  private isAsking_ = false;
+  /** The server makes one at a time. */
+  private readonly changes_ = new Changes((undone) => this.changeOne_(undone));
+  private readonly census_: StrokeCensus;
   private readonly backoff_: Backoff;
 
   constructor(
@@ -106,6 +114,9 @@ export class CarveLink {
     this.backoff_ = options.backoff ?? new Backoff();
     this.servers_ = new Servers(options.url);
     this.token_ = options.token ?? '';
+    this.census_ = new StrokeCensus(async (since) =>
+      (await options.list(since)).filter(({ participant: one }) => one === this.participant),
+    );
   }
 
   get status(): CarveStatus {
@@ -120,17 +131,17 @@ export class CarveLink {
   /** Whether samples may be sent now. */
   get takes(): boolean {
     const isReady = this.status_ === 'ready' && !this.awaitsStock_ && this.waiting === 0;
-    return isReady && this.log_.unanswered < UNANSWERED_MAX;
+    return isReady && this.log_.unanswered < UNANSWERED_MAX && !this.census_.isUnclear;
   }
 
   /** How many samples wait to be sent again, and requests to be sent. */
   get waiting(): number {
-    return this.again_.length + this.asks_.length;
+    return this.again_.length + this.changes_.waiting;
   }
 
   /** Whether the server has not answered an undo or redo yet. */
   get isAsking(): boolean {
-    return this.isAsking_;
+    return this.changes_.isBusy;
   }
 
   /** Joins, as the participant of before if there was one. */
@@ -153,25 +164,36 @@ export class CarveLink {
   }
 
   send(drafts: readonly Draft[]): void {
-    if (drafts.length > 0) this.sendSamples_(this.log_.add(drafts), true);
+    const samples = this.log_.add(drafts);
+    for (const { agent_sequence, buttons } of samples)
+      this.census_.sent(agent_sequence, (buttons & BUTTON_CUTTING) !== 0);
+    this.sendSamples_(samples, true);
   }
 
-  /** An undo or redo is in the page's copy at once. */
   ask(request: AgentRequest): void {
-    if (this.status_ !== 'ready') return;
-    if (isChange(request)) this.options.copy.change(request.type === 'undo');
-    if (request.type === 'stock') this.socket_?.send(JSON.stringify(request));
-    else this.asks_.push(request);
-    this.askNext_();
+    if (this.status_ === 'ready') this.socket_?.send(JSON.stringify(request));
   }
 
-  private askNext_(): void {
-    for (let next = this.asks_[0]; next; next = this.asks_[0]) {
-      if (isChange(next) && this.isAsking_) return;
-      this.isAsking_ ||= isChange(next);
-      this.socket_?.send(JSON.stringify(next));
-      this.asks_.shift();
+  /** Undoes its newest strokes, or redoes those undone last: all or none. They change here at once. */
+  change(undone: boolean, strokes: number, failed: () => void): void {
+    if (this.status_ !== 'ready') {
+      failed();
+      return;
     }
+    for (let n = 0; n < strokes; n += 1) this.options.copy.change(undone);
+    this.changes_.add(undone, strokes, (changed) => {
+      if (changed) this.events.changed(undone);
+      else failed();
+    });
+  }
+
+  /** How many strokes the server has of those with these numbers; null: ask again. */
+  accepted(from: number, to: number): number | null {
+    return this.census_.accepted(from, to);
+  }
+
+  private changeOne_(undone: boolean): void {
+    this.socket_?.send(JSON.stringify({ type: undone ? 'undo' : 'redo' }));
   }
 
   private connect_(reason: string): void {
@@ -211,8 +233,7 @@ export class CarveLink {
     clearInterval(this.timer_);
     clearTimeout(this.againTimer_);
     this.again_ = [];
-    this.asks_ = [];
-    this.isAsking_ = false;
+    this.changes_.drop();
     this.socket_?.close();
     this.socket_ = null;
   }
@@ -291,7 +312,10 @@ export class CarveLink {
     if (frame.value.kind === 'stock') this.receivedStock_(header, bytes);
     if (frame.value.kind !== 'result') return;
     this.options.copy.take(new Uint8Array(bytes));
-    this.log_.answered(frame.value.result.agent_sequence);
+    const { agent_sequence, status } = frame.value.result;
+    if (status & STATUS_REJECTED) this.census_.doubt();
+    this.log_.answered(agent_sequence);
+    this.census_.answered(agent_sequence);
     this.events.result(frame.value.result);
   }
 
@@ -299,6 +323,8 @@ export class CarveLink {
     this.options.copy.take(new Uint8Array(bytes));
     this.sendFrame_(FrameType.Ack, { kind: 'ack' }, sequence);
     if (flags & STOCK_RESET) this.awaitsStock_ = false;
+    // An undo of anybody divides the stroke.
+    if (flags & STOCK_RETURNED && this.census_.isCutting) this.census_.doubt();
   }
 
   private heard_(message: AgentMessage, text: string): void {
@@ -326,20 +352,18 @@ export class CarveLink {
     }
   }
 
-  private answered_({ code, reason, undone }: Extract<AgentMessage, { type: 'stroke' }>): void {
-    this.isAsking_ = false;
-    if (code === undefined) {
-      this.events.changed(undone);
-    } else {
-      this.options.copy.settle();
-      this.events.rejected(code, reason ?? '');
-    }
-    this.askNext_();
+  private answered_({ code, reason }: Extract<AgentMessage, { type: 'stroke' }>): void {
+    const isFailure = this.changes_.answered(code === undefined);
+    if (code !== undefined) this.options.copy.settle();
+    if (isFailure) this.events.rejected(code!, reason ?? '');
   }
 
   private joined_(welcome: AgentWelcome, text: string): void {
     const { token, resumed, agentSequence } = welcome.resume;
     const hasCopy = this.welcome_ !== null && resumed;
+    if (hasCopy) this.census_.doubt();
+    else if (resumed) void this.census_.begin();
+    else this.census_.forget();
     this.welcome_ = welcome;
     this.token_ = token;
     this.options.keep?.(token);
@@ -355,6 +379,7 @@ export class CarveLink {
 
   private failed_(code: string, reason: string, fatal: boolean): void {
     if (!fatal) {
+      this.census_.doubt();
       this.events.rejected(code, reason);
       return;
     }
@@ -367,25 +392,4 @@ export class CarveLink {
     this.drop_();
     this.become_('off', reason);
   }
-}
-
-/** The link to a session of the server that the page comes from. */
-export function linkToServer(
-  session: string,
-  copy: CarveLinkOptions['copy'],
-  who: CarveLinkOptions['who'],
-  events: CarveLinkEvents,
-): CarveLink {
-  return new CarveLink(
-    {
-      url: socketUrl(session, 'agent'),
-      open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
-      who,
-      nowMs: () => performance.now(),
-      copy,
-      token: personIn(session).token,
-      keep: (token) => notePerson(session, { token }),
-    },
-    events,
-  );
 }

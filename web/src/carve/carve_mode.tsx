@@ -7,11 +7,11 @@ import type { VNode } from 'preact';
 import { t } from '../strings';
 import { MOUSE } from 'three';
 import type { BlockCopy } from '../kernel/block_copy';
+import { notePerson, personIn } from '../link/kept_person';
 import { sentence } from '../ui/format';
 import type { Viewer } from '../view/viewer';
 import type { AgentHello } from '../wire/agent_control';
 import { CarveBar, isTouched } from './carve_bar';
-import { linkToServer } from './carve_link';
 import type { AgentLink, CarveLinkEvents, CarveStatus } from './carve_link';
 import { Coaching } from './coaching';
 import { Delivery } from './delivery';
@@ -19,8 +19,10 @@ import { Devices } from './devices/devices';
 import { openSpaceMouse } from './devices/open_space_mouse';
 import { SpaceMouse } from './devices/space_mouse';
 import { Gauge, GaugeView } from './gauge';
+import type { Count } from './gestures';
 import { Hand } from './hand';
 import { listenToCarveKeys } from './keys';
+import { linkToServer } from './link_to_server';
 import type { CarveHost } from './host';
 import { Notes } from './notes';
 import { Pointers } from './pointers';
@@ -91,6 +93,7 @@ export class CarveMode {
       },
       this.spaceMouse_,
     );
+    if (!host.linkHere) this.keepGestures_();
     document.addEventListener('visibilitychange', () => {
       if (document.hidden) this.pointers_?.cancel();
     });
@@ -157,6 +160,17 @@ export class CarveMode {
     this.viewer.hiddenCarver = null;
     Object.assign(this.viewer.rig.controls.mouseButtons, this.mouseButtons_);
     this.host.shell.isCarving.value = false;
+  }
+
+  /** The page that is loaded again undoes the gestures of this one. */
+  private keepGestures_(): void {
+    const { session } = this.host;
+    const { sampler } = this.hand_;
+    const { gestures } = personIn(session);
+    if (gestures) sampler.restore(gestures);
+    const count: Count = (from, to) => this.link_.accepted(from, to);
+    const keep = (): void => notePerson(session, { gestures: sampler.keep(count) });
+    window.addEventListener('pagehide', keep, { capture: true }); // before the person is kept
   }
 
   private openSpaceMouse_(asks: boolean): void {

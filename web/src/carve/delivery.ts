@@ -3,6 +3,7 @@
 // takes effect when the whole path is sent.
 
 import type { AgentLink } from './carve_link';
+import type { Count } from './gestures';
 import type { Sampler } from './sampler';
 
 const STEP_MS = 8;
@@ -15,7 +16,7 @@ export class Delivery {
   constructor(
     private readonly link: Pick<
       AgentLink,
-      'takes' | 'waiting' | 'status' | 'send' | 'ask' | 'join' | 'leave'
+      'takes' | 'waiting' | 'status' | 'send' | 'ask' | 'change' | 'accepted' | 'join' | 'leave'
     >,
     private readonly path: Pick<Sampler, 'take' | 'takeRequests' | 'waiting' | 'forget'>,
     private readonly hasEnded: () => boolean,
@@ -44,7 +45,11 @@ export class Delivery {
     const { link, path } = this;
     if (link.takes) {
       link.send(path.take(Math.round(performance.now() * 1000)));
-      for (const request of path.takeRequests()) link.ask(request);
+      const count: Count = (from, to) => link.accepted(from, to);
+      for (const request of path.takeRequests(count)) {
+        if (request.type === 'tool') link.ask(request);
+        else link.change(request.undone, request.strokes, request.failed);
+      }
     }
     const isDone = this.isSent || link.status === 'off' || this.hasEnded();
     if (this.leaves_ && isDone) this.stop_();

@@ -4,21 +4,33 @@
 // and so does a turn of the axis.
 //
 // A gesture begins when the user touches down and ends when the user lifts. It consists of one stroke,
-// or of several if the surface has gaps, and of their images. One undo takes all of it back. Images
-// repeat the samples that were sent, so that the kernel divides mirrored motions in the same way.
+// or of several if the surface has gaps, and of their images. One undo takes all of it back that the
+// block has. Images repeat the samples that were sent, so that the kernel divides mirrored motions in the same way.
 
 import { BUTTON_CUTTING, BUTTON_DEADMAN } from '../wire/types';
 import type { Vec3 } from '../wire/types';
 import type { Draft } from './sample_log';
 import { distance } from '../model/vector';
+import { Gestures, ONE_EACH } from './gestures';
+import type { Count, KeptGestures } from './gestures';
 import { PathQueue } from './tool/path_queue';
-import type { Image, PathRequest, Pose, Repeat, Waiting } from './tool/path_queue';
+import type { Change, Gesture, Image, Pose, Repeat, ToolRequest, Waiting } from './tool/path_queue';
 import { angleBetween, lerp, slerp } from './tool/vectors';
 
 export interface SamplerLimits {
   speedMmPerS: number;
   samplesPerS: number;
 }
+
+/** The newest `strokes` of the block are undone, or so many redone: all of a gesture. */
+export interface ChangeRequest {
+  type: 'change';
+  undone: boolean;
+  strokes: number;
+  /** To be called if nothing has changed. */
+  failed: () => void;
+}
+export type PathRequest = ToolRequest | ChangeRequest;
 
 const OF_LIMIT = 0.8; // rounding, and clocks that differ a little
 const HAND_MM_PER_S = 1000; // faster sweeps follow later
@@ -50,8 +62,10 @@ export class Sampler {
   private recorded_: Waiting[][] = [];
   private strokes_ = 0; // of the present gesture
   private isDown_ = false;
-  private done_: number[] = []; // strokes of each gesture, with images
-  private undone_: number[] = [];
+  private gesture_: Gesture | null = null; // the present one, once it has a stroke
+  private readonly gestures_ = new Gestures();
+  /** Of each undone gesture: the strokes that had only waited, and whether the block has others. */
+  private undone_: { waiting: Waiting[][]; isAsked: boolean }[] = [];
 
   constructor(private tool_: number) {}
 
@@ -73,11 +87,18 @@ export class Sampler {
   /** Where the tool goes next; `cuts`: on its path there. */
   push({ tip, axis }: Pose, cuts: boolean): void {
     if (cuts && !this.isDown_) this.strokes_ += 1;
-    if (cuts) this.undone_ = [];
+    if (cuts) {
+      this.undone_ = [];
+      this.gesture_ ??= { sent: null, known: null };
+    }
     this.isDown_ = cuts;
     const isRepeated = this.images_.length > 0 && this.strokes_ > 0;
     const pose = { tip: onGrid(tip), axis };
-    this.queue_.push({ pose, cuts, tool: this.tool_, ...(isRepeated && { isRepeated }) });
+    this.queue_.push({
+      ...{ pose, cuts, tool: this.tool_ },
+      ...(this.gesture_ && { gesture: this.gesture_ }),
+      ...(isRepeated && { isRepeated }),
+    });
   }
 
   /** Ends a gesture, after the tool was lifted: its images follow. */
@@ -85,32 +106,47 @@ export class Sampler {
     const { strokes_: strokes, images_: images } = this;
     if (strokes === 0) return;
     this.strokes_ = 0;
-    this.done_.push(strokes * (1 + images.length));
+    this.gesture_ = null;
     if (images.length > 0) this.queue_.ask({ type: 'repeat', strokes, images });
   }
 
   /** Asks the server, after all that waits. */
-  ask(request: PathRequest): void {
+  ask(request: ToolRequest): void {
     this.queue_.ask(request);
   }
 
-  /** Undoes the newest gesture. Returns whether it had only waited: else the server is asked. */
+  /** Undoes the newest gesture. Returns whether it had only waited: else the block is asked. */
   undo(): boolean {
     this.endGesture();
-    const strokes = this.done_.pop() ?? 1;
-    this.undone_.push(strokes);
-    let isHere = true;
-    for (let n = 0; n < strokes; n += 1) isHere = this.queue_.undo(this.at_) && isHere;
-    return isHere;
+    const gesture = this.queue_.newestGesture;
+    const waiting: Waiting[][] = [];
+    for (let more = gesture !== null; more;) {
+      const stroke = this.queue_.takeNewest(this.at_, gesture!);
+      more = stroke !== null;
+      if (stroke) waiting.push(stroke);
+    }
+    const isWhole = waiting.length > 0 && gesture?.sent === null;
+    this.undone_.push({ waiting, isAsked: !isWhole });
+    const only = waiting.length > 0 ? gesture : null;
+    if (!isWhole) this.queue_.ask({ type: 'change', undone: true, gesture: only });
+    return isWhole;
   }
 
   /** Redoes the gesture that was undone last. Returns whether it waits again: else as undo(). */
   redo(): boolean {
-    const strokes = this.undone_.pop() ?? 1;
-    this.done_.push(strokes);
-    let isHere = true;
-    for (let n = 0; n < strokes; n += 1) isHere = this.queue_.redo() && isHere;
-    return isHere;
+    const { waiting, isAsked } = this.undone_.pop() ?? { waiting: [], isAsked: true };
+    if (isAsked) this.queue_.ask({ type: 'change', undone: false, gesture: null });
+    for (const pose of waiting.reverse().flat()) this.queue_.push(pose);
+    return !isAsked;
+  }
+
+  /** The gestures of a page that is left, for the next one. */
+  keep(count: Count): KeptGestures {
+    return this.gestures_.keep(count);
+  }
+
+  restore(kept: KeptGestures): void {
+    this.gestures_.restore(kept);
   }
 
   /** Drops the waiting poses and the tool's position: the next pose is reached without a motion. */
@@ -119,6 +155,7 @@ export class Sampler {
     this.at_ = null;
     this.recorded_ = [];
     this.strokes_ = 0;
+    this.gesture_ = null;
     this.isDown_ = false;
   }
 
@@ -127,12 +164,33 @@ export class Sampler {
     return this.queue_.size;
   }
 
-  /** The requests after the samples that were taken. Send them before taking more. */
-  takeRequests(): PathRequest[] {
-    const requests = this.queue_.takeRequests();
-    const repeat = this.queue_.takeRepeat();
+  /**
+   * The requests after the samples that were taken. Send them before taking more. A gesture is undone
+   * once `count` knows which of its strokes the block has.
+   */
+  takeRequests(count: Count = ONE_EACH): PathRequest[] {
+    const requests: PathRequest[] = [];
+    for (;;) {
+      const request = this.queue_.takeRequest('tool') ?? this.queue_.takeRequest('change');
+      if (!request) break;
+      const isTaken = request.type === 'tool' || this.resolve_(request, count, requests);
+      if (request.type === 'tool') requests.push(request);
+      if (!isTaken) return requests;
+    }
+    const repeat = this.queue_.takeRequest('repeat');
     if (repeat) this.repeat_(repeat);
     return requests;
+  }
+
+  /** Returns false if it waits again. */
+  private resolve_(change: Change, count: Count, requests: PathRequest[]): boolean {
+    const { undone, gesture } = change;
+    const strokes = undone ? this.gestures_.undo(count, gesture) : this.gestures_.redo();
+    if (strokes === null) this.queue_.putBack(change);
+    if (strokes === null || strokes === 0) return strokes === 0;
+    const failed = (): void => this.gestures_.takeBack(undone);
+    requests.push({ type: 'change', undone, strokes, failed });
+    return true;
   }
 
   /**
@@ -209,9 +267,13 @@ export class Sampler {
     const repeated = images.flatMap((image) =>
       recorded.flatMap((stroke) =>
         stroke.map(({ pose, cuts, tool }, n): Waiting => {
+          const { gesture } = stroke.at(-1)!;
           const { tip, axis } = image(pose);
           const isCut = cuts && n > 0;
-          return { pose: { tip: onGrid(tip), axis }, cuts: isCut, tool, isImage: true };
+          return {
+            ...{ pose: { tip: onGrid(tip), axis }, cuts: isCut, tool, isImage: true },
+            ...(gesture && { gesture }),
+          };
         }),
       ),
     );
@@ -221,6 +283,7 @@ export class Sampler {
   private sample_(waiting: Waiting, timeUs: number): Draft {
     const time = Math.max(timeUs, this.atUs_ + 1);
     if (waiting.isRepeated && this.at_) this.record_(this.at_, waiting);
+    if (waiting.cuts && !this.at_?.cuts) this.gestures_.strokeOf(waiting.gesture);
     this.at_ = waiting;
     this.atUs_ = time;
     return {

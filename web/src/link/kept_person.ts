@@ -8,10 +8,12 @@ interface Person {
   color: string;
   /** Empty: it has not carved. */
   token: string;
+  /** How many strokes each gesture has in the block, done and undone; null: it has not carved. */
+  gestures: { done: number[]; undone: number[] } | null;
 }
 
 const KEY = 'kerf.person';
-const NOBODY: Person = { session: '', color: '', token: '' };
+const NOBODY: Person = { session: '', color: '', token: '', gestures: null };
 
 let person: Person | null = null; // null: not read yet
 

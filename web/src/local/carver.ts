@@ -195,8 +195,11 @@ export class Carver {
     block: ProgramBlock,
     { frame, newest, wallMs, spanMs }: ToWorker & { type: 'samples' },
   ): void {
+    const { carved } = block.progress();
     const reason = this.reasonOf_(() => block.samples(frame, wallMs, spanMs));
-    this.around.post({ type: 'felt', newest, progress: block.progress(), reason });
+    const progress = block.progress();
+    const recorded = progress.carved > carved;
+    this.around.post({ type: 'felt', newest, progress, recorded, reason });
     this.handMoved_(block);
   }
 

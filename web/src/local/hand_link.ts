@@ -2,10 +2,10 @@
 // Brings the path of the hand to the worker that has the block, as CarveLink brings it to a server.
 
 import type { AgentLink, CarveLinkEvents, CarveStatus } from '../carve/carve_link';
+import { Changes } from '../carve/changes';
 import type { Draft } from '../carve/sample_log';
-import type { AgentRequest } from '../wire/agent_control';
 import { encodeFrame } from '../wire/encode';
-import { FrameType } from '../wire/types';
+import { BUTTON_CUTTING, FrameType } from '../wire/types';
 import type { FromWorker, ToWorker } from './messages';
 import { translated } from './reasons';
 
@@ -30,10 +30,17 @@ export class HandLink implements AgentLink {
   status: CarveStatus = 'off';
   participant: number | null = null;
   /** Samples and requests of the worker pass it on: nothing waits to be sent. */
-  readonly waiting = 0;
+  get waiting(): number {
+    return this.changes_.waiting;
+  }
   private sequence_ = 0n;
   private answered_ = 0n;
-  private asked_ = 0;
+  private readonly changes_ = new Changes((undone) => this.changeOne_(undone));
+  /** Of each stroke that was sent: whether the block has a motion of it. */
+  private readonly has_: boolean[] = [];
+  /** The strokes of the frames that the worker has not answered, with their newest samples. */
+  private frames_: { newest: bigint; stroke: number }[] = [];
+  private isCutting_ = false;
 
   constructor(
     private readonly options: HandLinkOptions,
@@ -41,12 +48,14 @@ export class HandLink implements AgentLink {
   ) {}
 
   get takes(): boolean {
-    return this.status === 'ready' && this.sequence_ - this.answered_ < UNANSWERED_MAX;
+    // A stroke after an undo of several must not be taken for one of them.
+    const isFree = this.status === 'ready' && this.changes_.waiting === 0;
+    return isFree && this.sequence_ - this.answered_ < UNANSWERED_MAX;
   }
 
   /** Whether the worker has not answered samples, an undo or a redo yet. */
   get isAsking(): boolean {
-    return this.asked_ > 0 || this.answered_ < this.sequence_;
+    return this.changes_.isBusy || this.answered_ < this.sequence_;
   }
 
   join(): void {
@@ -68,8 +77,7 @@ export class HandLink implements AgentLink {
   send(drafts: readonly Draft[]): void {
     const { options } = this;
     const wallMs = options.wallMs();
-    for (let at = 0; at < drafts.length; at += SAMPLES_PER_FRAME) {
-      const some = drafts.slice(at, at + SAMPLES_PER_FRAME);
+    for (const some of this.parts_(drafts)) {
       const samples = some.map((draft) => ({ agent_sequence: ++this.sequence_, ...draft }));
       const spanMs = Math.round(Number(some.at(-1)!.time_us - some[0]!.time_us) / 1000);
       const numbers = { flags: 0, epoch: 1, sequence: this.sequence_, time_us: 0n };
@@ -78,17 +86,28 @@ export class HandLink implements AgentLink {
         kind: 'motion',
         samples,
       });
+      this.frames_.push({ newest: this.sequence_, stroke: this.has_.length - 1 });
       options.post({ type: 'samples', frame, newest: this.sequence_, wallMs, spanMs });
     }
     if (drafts.length > 0) this.restLater_();
   }
 
-  ask({ type }: AgentRequest): void {
-    if (type !== 'undo' && type !== 'redo') return;
-    const { options } = this;
-    this.asked_ += 1;
-    options.post({ type: 'change', undone: type === 'undo', wallMs: options.wallMs() });
-    this.restLater_();
+  ask(): void {
+    // Samples tell the tool, and the page has the block.
+  }
+
+  /** Undoes its newest strokes, or redoes those that were undone last: all or none. */
+  change(undone: boolean, strokes: number, failed: () => void): void {
+    this.changes_.add(undone, strokes, (changed) => {
+      if (changed) this.events.changed(undone);
+      else failed();
+    });
+  }
+
+  /** How many strokes the block has of those with these numbers; null: ask again. */
+  accepted(from: number, to: number): number | null {
+    const isAnswered = this.frames_.every(({ stroke }) => stroke >= to);
+    return isAnswered ? this.has_.slice(from, to).filter((has) => has).length : null;
   }
 
   heard(message: FromWorker): void {
@@ -98,6 +117,7 @@ export class HandLink implements AgentLink {
       this.events.joined({ participant: this.participant!, ...limits });
     } else if (message.type === 'felt') {
       this.answered_ = message.newest;
+      this.answeredUpTo_(message.newest, message.recorded);
       if (message.reason !== '') this.events.rejected('rejected', translated(message.reason));
       const own = message.progress.tools?.find((one) => one.participant === this.participant);
       this.events.result({
@@ -106,17 +126,48 @@ export class HandLink implements AgentLink {
         force_n: own?.force_n ?? [0, 0, 0],
       });
     } else if (message.type === 'changed') {
-      this.asked_ -= 1;
-      if (message.reason === '') this.events.changed(message.undone);
-      else this.events.rejected('bad_message', translated(message.reason));
+      const { reason } = message;
+      if (this.changes_.answered(reason === ''))
+        this.events.rejected('bad_message', translated(reason));
     }
   }
 
   /** The block was replaced, or has ended. */
   drop(): void {
     this.sequence_ = this.answered_ = 0n;
-    this.asked_ = 0;
+    this.changes_.drop();
+    this.has_.fill(false); // of another block
+    this.frames_ = [];
+    this.isCutting_ = false;
     if (this.status !== 'off') this.become_('off');
+  }
+
+  /** Parts of a path for one frame each, none of them with motions of two strokes. */
+  private *parts_(drafts: readonly Draft[]): Generator<Draft[]> {
+    let part: Draft[] = [];
+    for (const draft of drafts) {
+      const cuts = (draft.buttons & BUTTON_CUTTING) !== 0;
+      const begins = cuts && !this.isCutting_;
+      if (part.length === SAMPLES_PER_FRAME || (begins && part.length > 0)) {
+        yield part;
+        part = [];
+      }
+      if (begins) this.has_.push(false);
+      this.isCutting_ = cuts;
+      part.push(draft);
+    }
+    if (part.length > 0) yield part;
+  }
+
+  private answeredUpTo_(newest: bigint, recorded: boolean): void {
+    const stroke = this.frames_.find((frame) => frame.newest === newest)?.stroke;
+    if (recorded && stroke !== undefined) this.has_[stroke] = true;
+    this.frames_ = this.frames_.filter((frame) => frame.newest > newest);
+  }
+
+  private changeOne_(undone: boolean): void {
+    this.options.post({ type: 'change', undone, wallMs: this.options.wallMs() });
+    this.restLater_();
   }
 
   private become_(status: CarveStatus): void {

@@ -74,8 +74,11 @@ export type FromWorker =
   | { type: 'model'; format: TakeHomeFormat; bytes: Uint8Array<ArrayBuffer> }
   /** The block is at its last record, and is a journal's: the hand may carve. */
   | { type: 'handed'; about: About }
-  /** Samples up to `newest` are carved; `reason`: why one was rejected, else empty. */
-  | { type: 'felt'; newest: bigint; progress: Progress; reason: string }
+  /**
+   * Samples up to `newest` are carved; `recorded`: a motion of them is; `reason`: why one was
+   * rejected, else empty.
+   */
+  | { type: 'felt'; newest: bigint; progress: Progress; recorded: boolean; reason: string }
   /** `reason`: why nothing was undone or redone, else empty. */
   | { type: 'changed'; undone: boolean; reason: string }
   /** The id of the tool that was asked for, and all tools; `reason`: why there is none, else empty. */

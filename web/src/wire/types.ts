@@ -60,6 +60,7 @@ export const STOCK_RETURNED = 2;
 /** Bits of a tool state's and a result's status. */
 export const STATUS_CUTTING = 1;
 export const STATUS_COLLIDING = 2;
+export const STATUS_REJECTED = 4;
 export const STATUS_FELT = 32;
 
 export interface Header {

@@ -16,6 +16,7 @@ describe('carve link', () => {
   let log: string[];
   let link: CarveLink;
   let copy: FakeCopy;
+  const failed = (): void => void log.push('failed');
 
   beforeEach(() => {
     vi.useFakeTimers();
@@ -32,6 +33,7 @@ describe('carve link', () => {
         who: () => ({ name: 'Grace', color: '#d9541e', tool: 2 }),
         nowMs: () => Date.now(),
         copy,
+        list: () => Promise.resolve([]),
         backoff: new Backoff(100, 100),
       },
       {
@@ -96,6 +98,7 @@ describe('carve link', () => {
         who: () => ({ name: 'Ada', color: '#112233', tool: 1 }),
         nowMs: () => Date.now(),
         copy,
+        list: () => Promise.resolve([]),
         token: 'ab12',
         keep: (token) => kept.push(token),
       },
@@ -207,13 +210,15 @@ describe('carve link', () => {
 
   it('reports rejections, undo and the reason of a bye', () => {
     const socket = join();
-    link.ask({ type: 'undo' });
+    link.change(true, 1, failed);
     expect(socket.texts.at(-1)).toEqual({ type: 'undo' });
     socket.say({ type: 'stroke', undone: true, stroke: 7, sequence: 9 });
+    link.change(true, 1, failed);
     socket.say({ type: 'stroke', undone: true, code: 'bad_message', reason: 'no such stroke' });
     socket.say({ type: 'error', code: 'muted', reason: 'an owner has muted you', fatal: false });
-    expect(log.slice(-3)).toEqual([
+    expect(log.slice(-4)).toEqual([
       'undone',
+      'failed',
       'rejected bad_message no such stroke',
       'rejected muted an owner has muted you',
     ]);
@@ -225,7 +230,7 @@ describe('carve link', () => {
   it('tells the copy of an undo at once, and the server one at a time', () => {
     copy.works = true;
     const socket = join();
-    for (const type of ['undo', 'undo', 'redo'] as const) link.ask({ type });
+    for (const undone of [true, true, false]) link.change(undone, 1, failed);
     expect(copy.heard).toEqual(['open 3', 'undo', 'undo', 'redo']);
     const asked = (): unknown[] => socket.texts.slice(1).map(({ type }) => type);
     expect(asked()).toEqual(['undo']);

@@ -2,7 +2,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import type { CarveStatus } from '../../src/carve/carve_link';
 import { Delivery } from '../../src/carve/delivery';
-import type { PathRequest } from '../../src/carve/tool/path_queue';
+import type { ToolRequest } from '../../src/carve/tool/path_queue';
 import type { Draft } from '../../src/carve/sample_log';
 import { Sampler } from '../../src/carve/sampler';
 import type { Vec3 } from '../../src/wire/types';
@@ -25,8 +25,14 @@ class FakeLink {
     for (const { tip_mm: tip, buttons } of drafts)
       this.log.push(buttons ? `${tip[0]},${tip[1]}` : 'up');
   }
-  ask({ type }: PathRequest): void {
+  ask({ type }: ToolRequest): void {
     this.log.push(type);
+  }
+  change(undone: boolean, strokes: number): void {
+    for (let n = 0; n < strokes; n += 1) this.log.push(undone ? 'undo' : 'redo');
+  }
+  accepted(from: number, to: number): number | null {
+    return to - from;
   }
 }
 

@@ -32,6 +32,7 @@ describe('the link of a hand to the page that has the block', () => {
   let posted: ToWorker[];
   let later: () => void;
   let link: HandLink;
+  const failed = vi.fn();
 
   beforeEach(() => {
     vi.clearAllMocks();
@@ -50,7 +51,7 @@ describe('the link of a hand to the page that has the block', () => {
   const felt = (newest: bigint, reason = ''): FromWorker => {
     const tools = [{ participant: OWN, force_n: [1, 2, 2] }];
     const progress = { carved: 9, tools } as unknown as Progress;
-    return { type: 'felt', newest, progress, reason };
+    return { type: 'felt', newest, progress, recorded: true, reason };
   };
   const join = (): void => {
     link.join();
@@ -74,7 +75,7 @@ describe('the link of a hand to the page that has the block', () => {
     expect(link.isAsking).toBe(true);
     link.heard(felt(20n));
     expect(link.isAsking).toBe(false);
-    link.ask({ type: 'undo' });
+    link.change(true, 1, failed);
     expect(link.isAsking).toBe(true);
     link.heard({ type: 'changed', undone: true, reason: '' });
     expect(link.isAsking).toBe(false);
@@ -118,17 +119,18 @@ describe('the link of a hand to the page that has the block', () => {
 
   it('asks to undo and redo, and says when the hand rests', () => {
     join();
-    link.ask({ type: 'tool', tool: 2 });
+    link.ask();
     expect(link.isAsking).toBe(false);
-    link.ask({ type: 'undo' });
+    link.change(true, 1, failed);
     expect(link.isAsking).toBe(true);
     expect(posted.at(-1)).toEqual({ type: 'change', undone: true, wallMs: 5000 });
     link.heard({ type: 'changed', undone: true, reason: '' });
     expect(link.isAsking).toBe(false);
     expect(events.changed).toHaveBeenCalledWith(true);
-    link.ask({ type: 'redo' });
+    link.change(false, 1, failed);
     link.heard({ type: 'changed', undone: false, reason: 'there is no stroke to redo' });
     expect(events.rejected).toHaveBeenCalledWith('bad_message', 'There is no stroke to redo.');
+    expect(failed).toHaveBeenCalledOnce();
     later();
     expect(posted.at(-1)).toEqual({ type: 'rest' });
   });

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The queue of poses of the tool's path, with the requests between them, in the order of sending.
-// Strokes of which nothing is sent yet are undone and redone here, all others by the server.
+// Strokes of which nothing is sent yet can be taken out; all others the server undoes.
 
-import type { AgentHello, AgentRequest } from '../../wire/agent_control';
+import type { AgentRequest } from '../../wire/agent_control';
 import type { Vec3 } from '../../wire/types';
 
 export interface Pose {
@@ -14,11 +14,20 @@ export interface Pose {
 /** The pose of the same tool in a mirror, or turned. */
 export type Image = (pose: Pose) => Pose;
 
+export interface Gesture {
+  /** Its strokes that were sent, from one number to another; null: none was. */
+  sent: { from: number; to: number } | null;
+  /** Of one of an earlier page, or of before: how many strokes it had. */
+  known: number | null;
+}
+
 export interface Waiting {
   pose: Pose;
   /** On the path there. */
   cuts: boolean;
   tool: number;
+  /** Of a stroke, and of its images. */
+  gesture?: Gesture;
   /** Its motion is repeated in images: it is recorded, as it is sent. */
   isRepeated?: boolean;
   /** Its motion is an image, which is not divided. */
@@ -32,8 +41,15 @@ export interface Repeat {
   images: readonly Image[];
 }
 
-export type PathRequest = Exclude<AgentRequest, AgentHello | { type: 'stock' }>;
-type Item = Waiting | PathRequest | Repeat;
+/** A gesture is undone, or redone: the newest one if none is named. */
+export interface Change {
+  type: 'change';
+  undone: boolean;
+  gesture: Gesture | null;
+}
+
+export type ToolRequest = Extract<AgentRequest, { type: 'tool' }>;
+type Item = Waiting | ToolRequest | Change | Repeat;
 
 function isPose(item: Item | null | undefined): item is Waiting {
   return item !== null && item !== undefined && !('type' in item);
@@ -45,8 +61,6 @@ function cutsAt(item: Item | undefined): boolean {
 
 export class PathQueue {
   private items_: Item[] = [];
-  /** Strokes that were undone, the last one last, with the poses around them; null: by the server. */
-  private undone_: (Waiting[] | null)[] = [];
 
   /** Poses and requests. */
   get size(): number {
@@ -64,18 +78,19 @@ export class PathQueue {
     return this.next && (this.items_.shift() as Waiting);
   }
 
-  /** Removes and returns the requests before the next pose or repeat. */
-  takeRequests(): PathRequest[] {
-    const end = this.items_.findIndex((item) => isPose(item) || item.type === 'repeat');
-    return this.items_.splice(0, end < 0 ? this.items_.length : end) as PathRequest[];
+  /** Removes a request that comes next, of this type. */
+  takeRequest<Type extends 'tool' | 'change' | 'repeat'>(
+    type: Type,
+  ): Extract<Item, { type: Type }> | null {
+    const [first] = this.items_;
+    if (!first || isPose(first) || first.type !== type) return null;
+    this.items_.shift();
+    return first as Extract<Item, { type: Type }>;
   }
 
-  /** Removes a repeat that comes next. */
-  takeRepeat(): Repeat | null {
-    const [first] = this.items_;
-    if (!first || isPose(first) || first.type !== 'repeat') return null;
-    this.items_.shift();
-    return first;
+  /** Puts a request back that was taken. */
+  putBack(request: Change): void {
+    this.items_.unshift(request);
   }
 
   /** Puts poses before all others. */
@@ -84,39 +99,6 @@ export class PathQueue {
   }
 
   push(pose: Waiting): void {
-    if (pose.cuts) this.undone_ = [];
-    this.put_(pose);
-  }
-
-  ask(request: PathRequest | Repeat): void {
-    const last = this.items_.at(-1);
-    const isReplaced = request.type === 'tool' && last && !isPose(last) && last.type === 'tool';
-    if (isReplaced) this.items_.pop();
-    this.items_.push(request);
-  }
-
-  /** Undoes the newest stroke; `at`: the newest sample. Returns whether it was undone here. */
-  undo(at: Waiting | null): boolean {
-    const stroke = this.takeNewest_(at);
-    this.undone_.push(stroke);
-    if (!stroke) this.ask({ type: 'undo' });
-    return stroke !== null;
-  }
-
-  /** Redoes the last undone stroke. Returns whether that was undone here. */
-  redo(): boolean {
-    const stroke = this.undone_.pop() ?? null;
-    for (const pose of stroke ?? []) this.put_(pose);
-    if (!stroke) this.ask({ type: 'redo' });
-    return stroke !== null;
-  }
-
-  clear(): void {
-    this.items_ = [];
-    this.undone_ = [];
-  }
-
-  private put_(pose: Waiting): void {
     const last = this.items_.at(-1);
     // Through the air only the newest place counts, and where a tool was before it was changed.
     const isPassed = isPose(last) && !last.cuts && !pose.cuts && last.tool === pose.tool;
@@ -124,12 +106,32 @@ export class PathQueue {
     this.items_.push(pose);
   }
 
-  /** Takes out the newest stroke; null: a part of it is sent, or a request follows it. */
-  private takeNewest_(at: Waiting | null): Waiting[] | null {
+  ask(request: ToolRequest | Change | Repeat): void {
+    const last = this.items_.at(-1);
+    const isReplaced = request.type === 'tool' && last && !isPose(last) && last.type === 'tool';
+    if (isReplaced) this.items_.pop();
+    this.items_.push(request);
+  }
+
+  /** That of the newest stroke; null: a request follows it. */
+  get newestGesture(): Gesture | null {
+    const last = this.items_[this.newestCut_()];
+    return isPose(last) && last.cuts ? (last.gesture ?? null) : null;
+  }
+
+  clear(): void {
+    this.items_ = [];
+  }
+
+  /**
+   * Takes out the newest stroke, with the poses around it; `at`: the newest sample. Null: it is none
+   * of this gesture, a part of it is sent, or a request follows it.
+   */
+  takeNewest(at: Waiting | null, gesture: Gesture): Waiting[] | null {
     const items = this.items_;
-    let last = items.length - 1;
-    while (isPose(items[last]) && !cutsAt(items[last])) --last;
-    if (!cutsAt(items[last])) return null;
+    const last = this.newestCut_();
+    const newest = items[last];
+    if (!isPose(newest) || !newest.cuts || newest.gesture !== gesture) return null;
     let first = last;
     while (cutsAt(items[first - 1])) --first;
     const before = first > 0 ? items[first - 1] : at;
@@ -137,7 +139,14 @@ export class PathQueue {
     const after = items.slice(last + 1) as Waiting[];
     const stroke = items.slice(first, last + 1) as Waiting[];
     this.items_ = items.slice(0, first);
-    for (const pose of after) this.put_(pose);
+    for (const pose of after) this.push(pose);
     return [before, ...stroke, ...after];
+  }
+
+  /** The index of the newest pose that cuts, or of a request after it; -1: there is neither. */
+  private newestCut_(): number {
+    let last = this.items_.length - 1;
+    while (isPose(this.items_[last]) && !cutsAt(this.items_[last])) last -= 1;
+    return last;
   }
 }
