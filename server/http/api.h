@@ -70,6 +70,7 @@ class Api {
   ApiResponse create_session(const ApiCall& call);
   ApiResponse list_templates(const ApiCall& call);
   ApiResponse session_info(const ApiCall& call);
+  ApiResponse rename_session(const ApiCall& call);
   ApiResponse close_session(const ApiCall& call);
   ApiResponse list_closed(const ApiCall& call);
   ApiResponse reopen_session(const ApiCall& call);

@@ -9,6 +9,7 @@
 #include "server/http/responses.h"
 #include "server/http/scene_price.h"
 #include "server/http/session_lookup.h"
+#include "server/rights/rights.h"
 #include "server/session/hash_text.h"
 #include "server/threads/run_and_wait.h"
 
@@ -119,6 +120,12 @@ Json placed_json(const PlacedSession& session) {
           {"node", session.node}};
 }
 
+/// Adds what the caller may do with a session in the list of sessions.
+void add_rights(Json& session, const Caller& caller) {
+  session["may_rename"] = may(caller.role, Action::kRenameSession);
+  session["may_close"] = may(caller.role, Action::kCloseSession);
+}
+
 /// Returns the target of a request with `here=1`, replacing `here=0`.
 std::string with_here(const std::string& target) {
   const std::size_t mark = target.find('?');
@@ -150,12 +157,14 @@ ApiResponse Api::list_sessions(const ApiCall& call) {
                     {"participants", figures.participants},
                     {"created_ms", time_json(figures.created_ms)},
                     {"active_ms", time_json(figures.active_ms)}});
+    add_rights(list.back(), call.caller);
     if (places != nullptr) list.back()["node"] = places->node();
   }
   if (places != nullptr) {
     for (const PlacedSession& session : places->elsewhere()) {
       if (!call.caller.grant.empty() && session.id != call.caller.session) continue;
       list.push_back(placed_json(session));
+      add_rights(list.back(), call.caller);
     }
   }
   Json unreadable = Json::array();
@@ -187,6 +196,9 @@ ApiResponse Api::create_session(const ApiCall& call) {
   if (call.request.query_value("from") != nullptr) {
     if (!is_dry) return create_branch(call, id);
     return error_response(400, "bad_request", "a dry run needs a scene: leave out from");
+  }
+  if (call.request.query_value("name") != nullptr) {
+    return error_response(400, "bad_request", "name is that of a branch: name the scene itself");
   }
   // A scene from the network must not read the server's files: it has no base folder and may name
   // uploaded files only.
@@ -228,13 +240,32 @@ ApiResponse Api::create_branch(const ApiCall& call, const std::string& id) {
   if (!call.request.body.empty()) {
     return error_response(400, "bad_request", "name either a session in from or send a scene");
   }
+  const std::string* const asked = call.request.query_value("name");
+  const std::string name = asked == nullptr ? "" : *asked;
+  if (asked != nullptr) {
+    if (auto ok = registry_.check_name_free(name); !ok) return error_response(ok.error());
+  }
   const std::string point = at == std::string::npos ? "" : from.substr(at + 1);
   const auto record = find_requested(*parent, at == std::string::npos ? nullptr : &point);
   if (!record) return record.error();
-  const auto created = registry_.branch(id, *parent, *record, call.request.stop);
+  const auto created = registry_.branch(id, *parent, *record, call.request.stop, {}, name);
   if (!created) return registry_failure(created.error());
+  if (asked != nullptr) {
+    if (auto named = registry_.rename(**created, name); !named) {
+      (void)registry_.close((*created)->id(), true);  // the error is that of the request
+      return error_response(named.error());
+    }
+  }
   if (auto failure = flush_failure(**created)) return *std::move(failure);
   return created_response(**created);
+}
+
+ApiResponse Api::rename_session(const ApiCall& call) {
+  const std::string* name = call.request.query_value("name");
+  const auto renamed = registry_.rename(*call.session, name == nullptr ? "" : *name);
+  if (!renamed) return error_response(renamed.error());
+  if (auto failure = flush_failure(*call.session)) return *std::move(failure);
+  return json_response(200, to_text({{"id", call.session->id()}, {"name", *name}}));
 }
 
 ApiResponse Api::close_session(const ApiCall& call) {

@@ -38,6 +38,7 @@ constexpr std::array kRows = {
         "remove and mute participants, change their roles; reserve regions, and cut in them; undo "
         "strokes of others, rename and delete their versions, remove their pins, control their "
         "programs, replace and delete their target parts"},
+    Row{Action::kRenameSession, "rename_session", "....xx", "rename the session"},
     Row{Action::kCloseSession, "close_session", "....xx", "close the session, or delete it"},
     Row{Action::kAdminister, "administer", ".....x", "create sessions, upload meshes, `/metrics`"},
 };

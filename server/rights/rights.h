@@ -27,6 +27,7 @@ enum class Action : std::uint8_t {
   kRunPrograms,
   kInvite,
   kModerate,
+  kRenameSession,
   kCloseSession,
 };
 

@@ -10,11 +10,10 @@
 namespace kerf {
 namespace {
 
-SessionTools& add_tools(Scene scene, std::span<const ListRow> rows, Sculpture& sculpture,
+SessionTools& add_tools(SharedScene& scene, std::span<const ListRow> rows, Sculpture& sculpture,
                         SessionJournal& journal, Participants& participants,
                         SessionMatters& matters) {
-  auto tools =
-      std::make_unique<SessionTools>(std::move(scene), rows, sculpture, journal, participants);
+  auto tools = std::make_unique<SessionTools>(scene, rows, sculpture, journal, participants);
   SessionTools& added = *tools;
   matters.add(std::move(tools));
   return added;
@@ -56,10 +55,12 @@ Session::Session(std::string id, Replayed replayed, SessionJournal journal, Sess
               SessionOwner([this] { return weak_from_this(); }),
               [this] { return is_between_records(); }),
       replicas_(sculpture_, participants_),
+      scene_(std::move(replayed.scene)),
       matters_(matters, journal_),
-      tools_(add_tools(std::move(replayed.scene), replayed.lists[kMadeToolsTable], sculpture_,
-                       journal_, participants_, matters_)),
+      tools_(add_tools(scene_, replayed.lists[kMadeToolsTable], sculpture_, journal_, participants_,
+                       matters_)),
       parent_(std::move(replayed.parent)) {
+  matters_.add(std::make_unique<SessionName>(scene_, matters_.block()));
   matters_.restore(replayed.lists);
   participants_.defer_changes([this] { report_changes(); });
   show_figures();

@@ -26,10 +26,12 @@
 #include "server/session/session_journal.h"
 #include "server/session/session_limits.h"
 #include "server/session/session_matters.h"
+#include "server/session/session_name.h"
 #include "server/session/session_past.h"
 #include "server/session/session_places.h"
 #include "server/session/session_programs.h"
 #include "server/session/session_tools.h"
+#include "server/session/shared_scene.h"
 #include "server/session/shown_figures.h"
 #include "server/session/snapshot_keeper.h"
 #include "server/session/snapshot_schedule.h"
@@ -60,8 +62,9 @@ class Session : public std::enable_shared_from_this<Session> {
 
   // ---- any thread ----
   const std::string& id() const { return id_; }
-  /// The scene as of now. It grows by the tools that are made: keep the pointer, not parts of it.
-  std::shared_ptr<const Scene> scene() const { return tools_.scene(); }
+  /// The scene as of now. It grows by the tools that are made, and has the session's current name:
+  /// keep the pointer, not parts of it.
+  std::shared_ptr<const Scene> scene() const { return scene_.get(); }
   std::uint32_t epoch() const { return journal_.epoch(); }
   /// The session from which this one was branched; empty id if none.
   const JournalParent& parent() const { return parent_; }
@@ -171,6 +174,8 @@ class Session : public std::enable_shared_from_this<Session> {
   SessionPrograms& programs() { return programs_; }
   /// The tools, those that were made among them.
   SessionTools& tools() { return tools_; }
+  /// The name, which people may change.
+  SessionName& name() { return matters_.get<SessionName>(); }
   /// The lists that people keep with the block.
   SessionMatters& matters() { return matters_; }
 
@@ -238,6 +243,7 @@ class Session : public std::enable_shared_from_this<Session> {
   DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next: keep_disk_limits()
   std::optional<JournalErrorCode> reached_;      ///< the disk limit that has been reached
   Clock::time_point changes_reported_{};
+  SharedScene scene_;
   SessionMatters matters_;
   SessionTools& tools_;  ///< one of the matters
   JournalParent parent_;

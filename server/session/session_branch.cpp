@@ -32,7 +32,7 @@ std::expected<void, JournalError> write_branch(const std::filesystem::path& from
 
 std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::branch(
     std::string id, Session& parent, std::uint64_t record, const std::stop_token& stop,
-    const ExtendJournal& extend) {
+    const ExtendJournal& extend, const std::string& name) {
   using enum RegistryErrorCode;
   if (!id.empty() && !is_session_id(id)) {
     return std::unexpected(RegistryError{
@@ -50,7 +50,7 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::branch(
   if (auto flushed = parent.flush(); !flushed) {
     return std::unexpected(registry_error(flushed.error()));
   }
-  const auto reserved = reserve(std::move(id), parent.scene()->name);
+  const auto reserved = reserve(std::move(id), name.empty() ? parent.scene()->name : name);
   if (!reserved) return std::unexpected(reserved.error());
   // Always include the first records: they define the tools, without which nobody could cut.
   const std::uint64_t last = std::max<std::uint64_t>(record, parent.tools().first_tools());

@@ -18,6 +18,8 @@ class SessionMatters final : private MatterBlock {
  public:
   /// `journal` must outlive this object.
   SessionMatters(std::span<const MakeMatter> makers, SessionJournal& journal);
+  /// The block as the session's own lists see it.
+  MatterBlock& block() { return *this; }
   /// Adds a list that the session itself keeps. Call before restore().
   void add(std::unique_ptr<Matter> matter) { matters_.push_back(std::move(matter)); }
   /// Replaces all lists with those of a journal.

@@ -40,16 +40,14 @@ std::expected<void, RegistryError> check_tiles(const DexelGrid& grid, std::int64
       "accuracy.pitch_mm"});
 }
 
-/// Limits the name, because it is in each list of sessions, each welcome and each link preview.
-/// Older journals may have longer names, so the scene reader does not check this.
+/// Limits the name. Older journals may have longer ones, so the scene reader does not check this.
 std::expected<void, RegistryError> check_name(const std::string& name) {
-  constexpr std::size_t kBytesMax = 200;
-  if (name.size() <= kBytesMax) return {};
-  return std::unexpected(RegistryError{RegistryErrorCode::kBadScene,
-                                       "the name of the scene has " + std::to_string(name.size()) +
-                                           " bytes; at most " + std::to_string(kBytesMax) +
-                                           " are allowed: shorten it",
-                                       "name"});
+  if (name.size() <= kSessionNameBytesMax) return {};
+  return std::unexpected(RegistryError{
+      RegistryErrorCode::kBadScene,
+      "the name of the scene has " + std::to_string(name.size()) + " bytes; at most " +
+          std::to_string(kSessionNameBytesMax) + " are allowed: shorten it",
+      "name"});
 }
 
 }  // namespace

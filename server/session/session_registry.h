@@ -201,16 +201,24 @@ class SessionRegistry {
                                                                 std::string_view scene_text,
                                                                 const SceneSource& source);
   /// Starts a session that begins as `parent` was after an existing record: with its strokes,
-  /// undone or not, its participants and its versions. `parent` continues undisturbed. If `id` is
-  /// empty, a unique one is derived from the scene's name. `extend`, if given, appends to the
-  /// branch's journal before it is carved; its error is returned. Fails with kStopped soon after a
-  /// stop was requested.
+  /// undone or not, its participants, its versions and its name. `parent` continues undisturbed. If
+  /// `id` is empty, a unique one is derived from `name`, or without one from the parent's.
+  /// `extend`, if given, appends to the branch's journal before it is carved; its error is
+  /// returned. Fails with kStopped soon after a stop was requested.
   using ExtendJournal =
       std::function<std::expected<void, JournalError>(const std::filesystem::path&)>;
   std::expected<std::shared_ptr<Session>, RegistryError> branch(std::string id, Session& parent,
                                                                 std::uint64_t record,
                                                                 const std::stop_token& stop = {},
-                                                                const ExtendJournal& extend = {});
+                                                                const ExtendJournal& extend = {},
+                                                                const std::string& name = {});
+  /// Whether a session other than `except` may get a name. Fails with `bad_name` unless it is plain
+  /// text of at most kSessionNameBytesMax bytes, and with `name_taken`. Sessions of other servers
+  /// count as of their last statement.
+  std::expected<void, Error> check_name_free(const std::string& name,
+                                             const std::string& except = {}) const;
+  /// Renames a session. Fails like check_name_free, and with `busy`.
+  std::expected<void, Error> rename(Session& session, const std::string& name);
   /// Returns the scene that create() would use now, with its resolved accuracy, or its error.
   std::expected<Scene, RegistryError> check(const std::string& id, std::string_view scene_text,
                                             const SceneSource& source) const;
@@ -315,6 +323,7 @@ class SessionRegistry {
   SessionHooks hooks_;
   MakeExecutor make_executor_;
   Executor& workers_;
+  std::mutex naming_;  ///< held while a session is renamed, so that no two get one name
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Session>> sessions_;  ///< null during creation and closing
   std::map<std::string, std::shared_ptr<Session>> followed_;

@@ -10,14 +10,11 @@
 
 namespace kerf {
 
-SessionTools::SessionTools(Scene scene, std::span<const ListRow> rows, Sculpture& sculpture,
+SessionTools::SessionTools(SharedScene& scene, std::span<const ListRow> rows, Sculpture& sculpture,
                            SessionJournal& journal, Participants& participants)
-    : scene_(std::move(scene)),
-      sculpture_(sculpture),
-      journal_(journal),
-      participants_(participants) {
+    : scene_(scene), sculpture_(sculpture), journal_(journal), participants_(participants) {
   restore(rows);
-  first_tools_ = this->scene()->tools.size() - made_.size();
+  first_tools_ = scene_.get()->tools.size() - made_.size();
 }
 
 /// The id may belong to a tool of the kernel whose row in the journal is damaged.
@@ -47,7 +44,7 @@ std::expected<void, Error> SessionTools::define(const MadeTool& made) {
 
 std::expected<SessionTools::Answer, Error> SessionTools::make(SceneTool tool,
                                                               const std::string& author) {
-  const auto scene = this->scene();
+  const auto scene = scene_.get();
   const auto equal = std::ranges::find_if(
       scene->tools, [&](const auto& one) { return one.second.tool == tool.tool; });
   if (equal != scene->tools.end()) return Answer{equal->first, false};
@@ -70,7 +67,7 @@ std::expected<SessionTools::Answer, Error> SessionTools::make(SceneTool tool,
 }
 
 void SessionTools::restore(std::span<const ListRow> rows) {
-  const auto scene = this->scene();
+  const auto scene = scene_.get();
   Scene grown = *scene;
   for (const ListRow& row : rows) {
     auto made = made_tool_of(row, scene->settings.tolerance_mm);
@@ -86,7 +83,7 @@ void SessionTools::restore(std::span<const ListRow> rows) {
 
 std::optional<std::string> SessionTools::update(bool /*all*/) {
   if (!std::exchange(is_changed_, false)) return std::nullopt;
-  return tools_message(*scene());
+  return tools_message(*scene_.get());
 }
 
 std::string tools_message(const Scene& scene) {

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <expected>
 #include <map>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -28,12 +27,10 @@ inline constexpr std::size_t kToolsMax = 255;
 /// never changed or removed. Executor only, unless stated.
 class SessionTools final : public Matter {
  public:
-  /// `scene` has the tools of `rows`, those of the journal. The references must outlive this.
-  SessionTools(Scene scene, std::span<const ListRow> rows, Sculpture& sculpture,
+  /// `scene` gets the tools of `rows`, those of the journal. The references must outlive this.
+  SessionTools(SharedScene& scene, std::span<const ListRow> rows, Sculpture& sculpture,
                SessionJournal& journal, Participants& participants);
 
-  /// The scene with all tools. Any thread.
-  std::shared_ptr<const Scene> scene() const { return scene_.get(); }
   /// The number of records with which the journal begins: they define the tools of its first
   /// scene. Any thread.
   std::size_t first_tools() const { return first_tools_; }
@@ -58,7 +55,7 @@ class SessionTools final : public Matter {
   std::expected<void, Error> define(const MadeTool& made);
   ToolId free_id(const Scene& scene) const;
 
-  SharedScene scene_;
+  SharedScene& scene_;
   Sculpture& sculpture_;
   SessionJournal& journal_;
   Participants& participants_;

@@ -30,7 +30,7 @@ struct JournalTable {
   std::size_t record_column = 1;  ///< for lists: the column with the number of a row's record
 };
 
-inline constexpr std::array<JournalTable, 15> kJournalTables = {{
+inline constexpr std::array<JournalTable, 16> kJournalTables = {{
     {1, "session", TableKind::kSmall, "ttiti", "", ""},
     {2, "participants", TableKind::kSmall, "ittt", "participant", ""},
     {3, "kernel_versions", TableKind::kSmall, "ii", "sequence", ""},
@@ -70,6 +70,9 @@ inline constexpr std::array<JournalTable, 15> kJournalTables = {{
      "CREATE TABLE IF NOT EXISTS origins(first INTEGER PRIMARY KEY, writer TEXT NOT NULL, number "
      "INTEGER NOT NULL, clock INTEGER NOT NULL, crc INTEGER NOT NULL)",
      false, 0},
+    {16, "names", TableKind::kList, "iiiti", "number",
+     "CREATE TABLE IF NOT EXISTS names(number INTEGER PRIMARY KEY, record INTEGER NOT NULL, "
+     "created_ms INTEGER NOT NULL, name TEXT NOT NULL, crc INTEGER NOT NULL)"},
 }};
 
 }  // namespace kerf

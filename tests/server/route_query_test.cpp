@@ -111,7 +111,7 @@ TEST_F(RouteQuery, MisspelledPointCreatesNoBranch) {
       fault(*api_->routes().match("POST", {"v1", "sessions"}).route, "?from=block&at=1&id=other");
   EXPECT_EQ(code(response), "unknown_parameter");
   ASSERT_TRUE(response);
-  EXPECT_TRUE(response->body.contains("id, from, dry_run, here")) << response->body;
+  EXPECT_TRUE(response->body.contains("id, from, name, dry_run, here")) << response->body;
 }
 
 TEST_F(RouteQuery, EmptyPartsOfAQueryAreIgnored) {

@@ -6,7 +6,7 @@ import { shownSessions } from '../src/ui/lobby/card_order';
 
 const session = (name: string, activeMs: number | null): SessionSummary => ({
   ...{ id: name, name, activeMs },
-  ...{ motions: 0, removedVolumeMm3: 0, participants: 0 },
+  ...{ motions: 0, removedVolumeMm3: 0, participants: 0, mayRename: false, mayClose: false },
 });
 const ALL = [session('Relief 10', 1), session('relief 2', 3), session('Bust', null)];
 const namesOf = (sessions: readonly SessionSummary[]): string[] => sessions.map(({ name }) => name);

@@ -61,6 +61,14 @@ describe('control messages', () => {
     expect(parseControl('{"type":"tools","tools":[{"id":3}]}').ok).toBe(false);
   });
 
+  it('takes the name of a session that was renamed', () => {
+    expect(parseControl('{"type":"name","name":"Owl"}')).toEqual({
+      ok: true,
+      value: { type: 'name', name: 'Owl' },
+    });
+    expect(parseControl('{"type":"name"}').ok).toBe(false);
+  });
+
   it('rejects anything but a JSON object', () => {
     for (const text of ['', '{', '[]', 'null', '7', '"welcome"'])
       expect(parseControl(text).ok).toBe(false);

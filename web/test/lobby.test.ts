@@ -8,11 +8,17 @@ import { History } from '../src/ui/history/state';
 import { HistoryView } from '../src/ui/history/view';
 import { Cards } from '../src/ui/lobby/cards';
 import { fromFile } from '../src/ui/lobby/drafts';
+import { Lobby } from '../src/ui/lobby/lobby';
 import { LobbyState } from '../src/ui/lobby/lobby_state';
-import { show } from './support/shown';
+import { buttonOf, labelled, show } from './support/shown';
+import { turn } from './support/turn';
 
 function session(id: string, activeMs: number, motions = 1, removedVolumeMm3 = 5): SessionSummary {
-  return { id, name: id, motions, removedVolumeMm3, participants: 0, activeMs };
+  return {
+    ...{ id, name: id, motions, removedVolumeMm3, participants: 0, activeMs },
+    mayRename: true,
+    mayClose: false,
+  };
 }
 
 /** The server's answers by the end of a path; any other request fails with a reason. */
@@ -43,7 +49,7 @@ describe('the cards of the lobby', () => {
     root = document.createElement('div');
   });
   const update = (...sessions: SessionSummary[]): void =>
-    render(h(Cards, { sessions, close: null }), root);
+    render(h(Cards, { sessions, actions: () => [] }), root);
   const cards = (): Element[] => [...root.querySelectorAll('.card-place')];
   const names = (): string[] => cards().map((one) => one.querySelector('strong')!.textContent);
 
@@ -65,6 +71,45 @@ describe('the cards of the lobby', () => {
     expect(shown()).toBe(before);
     update(session('a', 2, 1, 4));
     expect(shown()).not.toBe(before);
+  });
+});
+
+describe('the menu of a card', () => {
+  it('has what the viewer may do, and hides itself', async () => {
+    answers = { '/v1/sessions': { sessions: [] } };
+    const state = new LobbyState([session('owl', 1), session('cat', 2)]);
+    const root = show(h(Lobby, { state }));
+    const menu = labelled(root, 'More for owl').parentElement!;
+    const shown = (): boolean => !menu.querySelector('ul')!.hidden;
+    const words = (): (string | null)[] =>
+      [...menu.querySelectorAll('li button')].map((one) => one.textContent);
+    expect(words()).toEqual(['Rename…']);
+    state.mayManage.value = true;
+    await turn();
+    expect(words()).toEqual(['Rename…', 'Duplicate']);
+    expect(shown()).toBe(false);
+    labelled(root, 'More for owl').click();
+    await turn();
+    expect(shown()).toBe(true);
+    menu.dispatchEvent(new KeyboardEvent('keydown', { key: 'Escape', bubbles: true }));
+    await turn();
+    expect(shown()).toBe(false);
+    buttonOf(menu, 'Duplicate').click();
+    expect(asked.at(-1)).toBe('/v1/sessions?from=owl&name=owl%202');
+    buttonOf(menu, 'Rename…').click();
+    expect(state.toRename.value?.id).toBe('owl');
+  });
+
+  it('tells that a name is taken, and what else went wrong', async () => {
+    const state = new LobbyState([session('owl', 1)]);
+    expect(await state.rename(session('owl', 1), 'cat')).toBe('The server is busy.');
+    expect(asked.at(-1)).toBe('/v1/sessions/owl?name=cat');
+    vi.stubGlobal('fetch', () =>
+      Promise.resolve(
+        Response.json({ error: { code: 'name_taken', reason: 'no' } }, { status: 409 }),
+      ),
+    );
+    expect(await state.rename(session('owl', 1), 'cat')).toBe('Another block has this name.');
   });
 });
 

@@ -13,6 +13,9 @@ export interface SessionSummary {
   participants: number;
   /** When block or participants changed last; null if the server does not know. */
   activeMs: number | null;
+  /** The rights of the viewer. */
+  mayRename: boolean;
+  mayClose: boolean;
 }
 
 const INVITATION_NEEDED = t('This server is by invitation only. Open the link you were sent.');
@@ -41,6 +44,8 @@ function summaryOf(value: unknown): SessionSummary | null {
     removedVolumeMm3: numberOr(from['removed_volume_mm3'], 0),
     participants: Array.isArray(people) ? people.length : numberOr(people, 0),
     activeMs: typeof from['active_ms'] === 'number' ? from['active_ms'] : null,
+    mayRename: from['may_rename'] === true,
+    mayClose: from['may_close'] === true,
   };
 }
 

@@ -106,6 +106,18 @@ export async function createSession(id: string, scene: Scene): Promise<void> {
   await ask('POST', `/v1/sessions?id=${encodeURIComponent(id)}`, JSON.stringify(scene));
 }
 
+/** Gives a session a name that no other one has. */
+export async function renameSession(id: string, name: string): Promise<void> {
+  await ask('PATCH', `${sessionPath(id)}?name=${encodeURIComponent(name)}`);
+}
+
+/** Makes a session with the same block and history under another name. Returns its id. */
+export async function duplicateSession(id: string, name: string): Promise<string> {
+  const query = `from=${encodeURIComponent(id)}&name=${encodeURIComponent(name)}`;
+  const made = (await (await ask('POST', `/v1/sessions?${query}`)).json()) as Json;
+  return String(made['id']);
+}
+
 /** Closes a session. Its journal stays on the server, unless `forever`. */
 export async function closeSession(id: string, forever = false): Promise<void> {
   await ask('DELETE', sessionPath(id) + (forever ? '?purge=1' : ''));

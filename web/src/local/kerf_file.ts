@@ -81,16 +81,19 @@ function hasTable(database: Database, name: string): boolean {
   return integer(database, `SELECT count(*) FROM sqlite_master WHERE ${where}`) > 0;
 }
 
-/** The scene with the tools that were made since. */
+/** The scene with the tools that were made since, and the name that the session has now. */
 function sceneOf(database: Database, scene: Uint8Array): Uint8Array {
-  if (!hasTable(database, 'tools')) return scene;
   const made: unknown[] = [];
-  each(database, 'SELECT json FROM tools ORDER BY tool', ([json]) =>
-    made.push(JSON.parse(String(json))),
-  );
-  if (made.length === 0) return scene;
+  if (hasTable(database, 'tools'))
+    each(database, 'SELECT json FROM tools ORDER BY tool', ([json]) =>
+      made.push(JSON.parse(String(json))),
+    );
+  const named: { name?: string } = {};
+  if (hasTable(database, 'names'))
+    each(database, 'SELECT name FROM names', ([name]) => (named.name = String(name)));
+  if (made.length === 0 && named.name === undefined) return scene;
   const all = JSON.parse(new TextDecoder().decode(scene)) as { tools: unknown[] };
-  return bytesOf(JSON.stringify({ ...all, tools: [...all.tools, ...made] }));
+  return bytesOf(JSON.stringify({ ...all, ...named, tools: [...all.tools, ...made] }));
 }
 
 /** As encode_origin of server/store/journal_origin.h. */

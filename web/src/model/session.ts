@@ -111,6 +111,9 @@ export class SessionModel {
       case 'tools':
         this.tools_.value = message.tools;
         break;
+      case 'name':
+        if (this.welcome) this.welcome_.value = { ...this.welcome, name: message.name };
+        break;
       case 'participants':
         this.participants.setList(message.participants, message.viewers);
         break;

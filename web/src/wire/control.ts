@@ -251,6 +251,8 @@ function messageOf(from: Json): ServerMessage | null {
       return { type: 'programs', programs: list(from['programs'], 'programs').map(programOf) };
     case 'tools':
       return { type: 'tools', tools: list(from['tools'], 'tools').map(toolOf) };
+    case 'name':
+      return { type: 'name', name: text(from, 'name') };
     case 'pins':
       return { type: 'pins', pins: list(from['pins'], 'pins').map(pinOf) };
     case 'cameras':

@@ -388,6 +388,8 @@ export interface ShownCamera extends CameraPose {
 }
 
 export type ServerMessage =
+  /** The session was renamed. */
+  | { type: 'name'; name: string }
   | { type: 'pins'; pins: Pin[] }
   | { type: 'cameras'; cameras: ShownCamera[] }
   | ProgramsMessage

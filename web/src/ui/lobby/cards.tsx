@@ -10,6 +10,8 @@ import type { Person, SessionDetails } from '../../link/lobby_requests';
 import { pictureUrl, PictureVersions } from '../../link/picture_url';
 import { ageText, stockText } from '../../model/new_block';
 import { figure } from '../format';
+import { CardMenu } from './card_menu';
+import type { CardAction } from './card_menu';
 import { sessionUrl } from './session_url';
 
 const PEOPLE_MAX = 4;
@@ -53,11 +55,11 @@ function useDetails({ id, participants }: SessionSummary): SessionDetails | null
 
 interface CardProps {
   session: SessionSummary;
-  /** Null: the viewer may not close sessions. */
-  close: ((session: SessionSummary) => void) | null;
+  /** What the viewer may do with a session. */
+  actions: (session: SessionSummary) => readonly CardAction[];
 }
 
-function Card({ session, close }: CardProps) {
+function Card({ session, actions }: CardProps) {
   const { id, name, motions, removedVolumeMm3, activeMs } = session;
   const versions = useMemo(() => new PictureVersions(), []);
   const picture = useRef('');
@@ -79,25 +81,17 @@ function Card({ session, close }: CardProps) {
         </span>
       </a>
       <People people={details?.people ?? []} />
-      <button
-        type="button"
-        class="card-close"
-        aria-label={t('Close {0}', name)}
-        hidden={close === null}
-        onClick={() => close?.(session)}
-      >
-        {t('Close…')}
-      </button>
+      <CardMenu name={name} actions={actions(session)} />
     </li>
   );
 }
 
-interface CardsProps extends Pick<CardProps, 'close'> {
+interface CardsProps extends Pick<CardProps, 'actions'> {
   /** In their order. */
   sessions: readonly SessionSummary[];
 }
 
-export function Cards({ sessions, close }: CardsProps) {
+export function Cards({ sessions, actions }: CardsProps) {
   const list = useRef<HTMLUListElement>(null);
   const { activeElement: focused } = document;
   useLayoutEffect(() => {
@@ -108,7 +102,7 @@ export function Cards({ sessions, close }: CardsProps) {
   return (
     <ul ref={list} class="cards">
       {sessions.map((session) => (
-        <Card key={session.id} session={session} close={close} />
+        <Card key={session.id} session={session} actions={actions} />
       ))}
     </ul>
   );

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The list of this server's sessions, with a form for new ones.
 
-import { useComputed, useSignal } from '@preact/signals';
+import { useSignal } from '@preact/signals';
 import { render } from 'preact';
 import { t } from '../../strings';
 import '../style/lobby.css';
@@ -11,11 +11,13 @@ import { LanguageChoice } from '../language_choice';
 import { recall, remember } from '../../strings/memory';
 import { shownSessions } from './card_order';
 import type { Order } from './card_order';
+import type { CardAction } from './card_menu';
 import { Cards } from './cards';
 import { CloseDialog } from './close_dialog';
 import { LobbyState } from './lobby_state';
 import { NewBlockForm } from './new_block';
 import type { NewBlock } from './new_block_state';
+import { RenameDialog } from './rename_dialog';
 
 /** More sessions than one sees at once. */
 const MANY = 3;
@@ -85,12 +87,19 @@ function NewButtons({ block }: { block: NewBlock }) {
   );
 }
 
-function Lobby({ state }: { state: LobbyState }) {
-  const close = useComputed(() =>
-    state.mayManage.value
-      ? (session: SessionSummary) => void (state.toClose.value = session)
-      : null,
-  );
+/** What the viewer may do with a session. */
+function actionsOf(state: LobbyState, session: SessionSummary): CardAction[] {
+  const actions: CardAction[] = [];
+  if (session.mayRename)
+    actions.push({ label: t('Rename…'), act: () => (state.toRename.value = session) });
+  if (state.mayManage.value)
+    actions.push({ label: t('Duplicate'), act: () => void state.duplicate(session) });
+  if (session.mayClose)
+    actions.push({ label: t('Close…'), act: () => (state.toClose.value = session) });
+  return actions;
+}
+
+export function Lobby({ state }: { state: LobbyState }) {
   const { value: sessions } = state.sessions;
   const { value: fault } = state.fault;
   const { value: block } = state.newBlock;
@@ -119,9 +128,10 @@ function Lobby({ state }: { state: LobbyState }) {
             {t('No block has this name.')}
           </p>
         )}
-        <Cards sessions={shown} close={close.value} />
+        <Cards sessions={shown} actions={(session) => actionsOf(state, session)} />
       </section>
       {block && <NewBlockForm block={block} />}
+      <RenameDialog state={state} />
       <CloseDialog state={state} />
     </main>
   );

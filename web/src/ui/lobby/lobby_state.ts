@@ -2,11 +2,19 @@
 // The list of this server's sessions, as it was requested last, and its management.
 
 import { signal } from '@preact/signals';
+import { t } from '../../strings';
 import { listSessions } from '../../link/api';
 import type { SessionSummary } from '../../link/api';
-import { closeSession, listTemplates, priceOf } from '../../link/lobby_requests';
+import {
+  closeSession,
+  duplicateSession,
+  listTemplates,
+  priceOf,
+  renameSession,
+} from '../../link/lobby_requests';
 import type { Template } from '../../link/lobby_requests';
 import type { ServerError } from '../../link/server_error';
+import { freeName } from '../../model/new_block';
 import { sentence } from '../format';
 import type { Order } from './card_order';
 import { NewBlock } from './new_block_state';
@@ -17,10 +25,12 @@ export class LobbyState {
   readonly sessions;
   /** The form of a new block; null until its templates are known. */
   readonly newBlock = signal<NewBlock | null>(null);
-  /** Whether this viewer may create and close sessions. */
+  /** Whether this viewer may create sessions. */
   readonly mayManage = signal(false);
   /** The session that the user is asked about before it is closed; null: none. */
   readonly toClose = signal<SessionSummary | null>(null);
+  /** The session for which the user is asked another name; null: none. */
+  readonly toRename = signal<SessionSummary | null>(null);
   readonly fault = signal('');
   /** Part of the names that are shown, as the user has typed it. */
   readonly search = signal('');
@@ -52,6 +62,30 @@ export class LobbyState {
   async close({ id }: SessionSummary): Promise<void> {
     try {
       await closeSession(id);
+    } catch (problem) {
+      this.tell_(problem);
+      return;
+    }
+    await this.update();
+  }
+
+  /** Returns the reason if the session keeps its name, as a sentence; empty: it is renamed. */
+  async rename({ id }: SessionSummary, name: string): Promise<string> {
+    try {
+      await renameSession(id, name);
+    } catch (problem) {
+      const { code, message } = problem as ServerError;
+      return code === 'name_taken' ? t('Another block has this name.') : sentence(message);
+    }
+    await this.update();
+    return '';
+  }
+
+  /** Makes a session with the same block, under a name of its own. */
+  async duplicate({ id, name }: SessionSummary): Promise<void> {
+    const taken = this.sessions.peek().map((one) => one.name);
+    try {
+      await duplicateSession(id, freeName(name, taken));
     } catch (problem) {
       this.tell_(problem);
       return;
