@@ -14,7 +14,7 @@ namespace kerf {
 namespace {
 
 // A signal handler cannot wake a thread in standard C++, so the watcher polls the flag.
-constexpr std::chrono::milliseconds kLook{20};
+constexpr std::chrono::milliseconds kSignalLook{20};
 constexpr std::chrono::milliseconds kGrace{500};
 constexpr int kStatusOfSignals = 128;
 
@@ -51,7 +51,7 @@ int StopSignal::status() {
 }
 
 void StopSignal::watch(const std::stop_token& end) {
-  while (!end.stop_requested() && signal_seen == 0) wait_for(kLook, end);
+  while (!end.stop_requested() && signal_seen == 0) wait_for(kSignalLook, end);
   if (end.stop_requested()) return;
   source_.request_stop();
   wait_for(kGrace, end);

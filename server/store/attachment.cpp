@@ -19,11 +19,6 @@ std::int64_t checksum(const std::string& kind, const std::string& name,
   return crc32(bytes, crc);
 }
 
-SqlResult<void> run_to_end(SqlStatement& statement) {
-  if (auto row = statement.step(); !row) return std::unexpected(row.error());
-  return {};
-}
-
 }  // namespace
 
 SqlResult<void> create_attachment_table(SqlDatabase& database) {
@@ -46,7 +41,7 @@ SqlResult<void> store_attachment(SqlDatabase& database, const AttachmentChange& 
   if (!removal) return std::unexpected(removal.error());
   removal->bind(1, change.kind);
   removal->bind(2, change.name);
-  if (auto ok = run_to_end(*removal); !ok) return ok;
+  if (auto ok = removal->run(); !ok) return ok;
   if (!change.bytes) return {};
   auto insert = database.prepare("INSERT INTO attachments VALUES(?,?,?,?,?)");
   if (!insert) return std::unexpected(insert.error());
@@ -55,7 +50,7 @@ SqlResult<void> store_attachment(SqlDatabase& database, const AttachmentChange& 
   insert->bind(3, change.name);
   insert->bind(4, std::span<const std::byte>(*change.bytes));
   insert->bind(5, checksum(change.kind, change.name, *change.bytes));
-  return run_to_end(*insert);
+  return insert->run();
 }
 
 std::expected<std::vector<Attachment>, JournalError> read_attachments(

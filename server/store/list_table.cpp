@@ -31,17 +31,12 @@ void bind(SqlStatement& statement, int column, const ListValue& value) {
   std::visit([&](const auto& one) { statement.bind(column, one); }, value);
 }
 
-SqlResult<void> run_to_end(SqlStatement& statement) {
-  if (auto row = statement.step(); !row) return std::unexpected(row.error());
-  return {};
-}
-
 SqlResult<void> delete_row(SqlDatabase& database, const JournalTable& table, const ListValue& key) {
   auto statement = database.prepare("DELETE FROM " + std::string(table.name) + " WHERE " +
                                     std::string(table.key) + "=?");
   if (!statement) return std::unexpected(statement.error());
   bind(*statement, 1, key);
-  return run_to_end(*statement);
+  return statement->run();
 }
 
 SqlResult<void> store_row(SqlDatabase& database, const JournalTable& table, const ListRow& row) {
@@ -52,7 +47,7 @@ SqlResult<void> store_row(SqlDatabase& database, const JournalTable& table, cons
   int column = 0;
   for (const ListValue& value : row) bind(*statement, ++column, value);
   statement->bind(++column, checksum(row));
-  return run_to_end(*statement);
+  return statement->run();
 }
 
 /// Reads the columns of a row without its checksum.

@@ -80,6 +80,11 @@ SqlResult<bool> SqlStatement::step() {
   return std::unexpected(error);
 }
 
+SqlResult<void> SqlStatement::run() {
+  if (auto row = step(); !row) return std::unexpected(row.error());
+  return {};
+}
+
 std::int64_t SqlStatement::integer(int column) const {
   return sqlite3_column_int64(statement_.get(), column);
 }

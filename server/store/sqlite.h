@@ -36,6 +36,8 @@ class SqlStatement {
   /// Advances to the next row. Returns false after the last one; the statement can then be bound
   /// again.
   SqlResult<bool> step();
+  /// As step, for a statement that gives no rows.
+  SqlResult<void> run();
   std::int64_t integer(int column) const;
   std::string text(int column) const;
   std::span<const std::byte> blob(int column) const;  ///< valid until the next step
