@@ -7,9 +7,13 @@
 #include "server/formats/unit_question.h"
 
 namespace kerf::net {
+namespace {
+
+using Json = nlohmann::json;
+
+}  // namespace
 
 std::string price_json(const Scene& scene, const Price& price, std::optional<std::size_t> motions) {
-  using Json = nlohmann::json;
   const Accuracy accuracy = accuracy_of(scene);
   const DexelGrid grid = make_grid(scene.settings.stock, accuracy.pitch_mm);
   Json json{{"name", scene.name},

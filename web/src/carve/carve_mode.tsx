@@ -7,7 +7,6 @@ import type { VNode } from 'preact';
 import { t } from '../strings';
 import { MOUSE } from 'three';
 import type { BlockCopy } from '../kernel/block_copy';
-import { notePerson, personIn } from '../link/kept_person';
 import { sentence } from '../ui/format';
 import type { Viewer } from '../view/viewer';
 import type { AgentHello } from '../wire/agent_control';
@@ -19,8 +18,8 @@ import { Devices } from './devices/devices';
 import { openSpaceMouse } from './devices/open_space_mouse';
 import { SpaceMouse } from './devices/space_mouse';
 import { Gauge, GaugeView } from './gauge';
-import type { Count } from './gestures';
 import { Hand } from './hand';
+import { keepGestures } from './kept_gestures';
 import { listenToCarveKeys } from './keys';
 import { linkToServer } from './link_to_server';
 import type { CarveHost } from './host';
@@ -93,7 +92,8 @@ export class CarveMode {
       },
       this.spaceMouse_,
     );
-    if (!host.linkHere) this.keepGestures_();
+    if (!host.linkHere)
+      keepGestures(host.session, this.hand_.sampler, (from, to) => this.link_.accepted(from, to));
     document.addEventListener('visibilitychange', () => {
       if (document.hidden) this.pointers_?.cancel();
     });
@@ -160,17 +160,6 @@ export class CarveMode {
     this.viewer.hiddenCarver = null;
     Object.assign(this.viewer.rig.controls.mouseButtons, this.mouseButtons_);
     this.host.shell.isCarving.value = false;
-  }
-
-  /** The page that is loaded again undoes the gestures of this one. */
-  private keepGestures_(): void {
-    const { session } = this.host;
-    const { sampler } = this.hand_;
-    const { gestures } = personIn(session);
-    if (gestures) sampler.restore(gestures);
-    const count: Count = (from, to) => this.link_.accepted(from, to);
-    const keep = (): void => notePerson(session, { gestures: sampler.keep(count) });
-    window.addEventListener('pagehide', keep, { capture: true }); // before the person is kept
   }
 
   private openSpaceMouse_(asks: boolean): void {
@@ -282,7 +271,6 @@ export class CarveMode {
   }
 
   // Strokes
-  // -----------------------------------------------------------------------------------------------
 
   private begin_(place: Place, onPlane: boolean): void {
     const reason = whyNotNow(this.host.model, this.isJoined_());
@@ -362,7 +350,6 @@ export class CarveMode {
   }
 
   // The server
-  // -----------------------------------------------------------------------------------------------
 
   private linkChanged_(status: CarveStatus, reason: string): void {
     this.host.shell.carveStatus.value = status;
