@@ -196,7 +196,8 @@ async function checkCards(page) {
 }
 
 async function checkClosing(page, base) {
-  await page.getByRole('button', { name: 'Close first part' }).click();
+  await page.getByRole('button', { name: 'More for first part' }).click();
+  await page.getByRole('button', { name: 'Close…', exact: true }).click();
   await page.getByRole('dialog').getByRole('button', { name: 'Close session' }).click();
   await page.getByText('Nothing here yet. Press “Carve a new block” to start.').waitFor();
   const { sessions } = await getJson(`${base}/v1/sessions`);

@@ -167,6 +167,7 @@ export class LocalPast {
     }
     if (!this.wish_) return; // the present is shown
     this.show_();
+    if (!this.isShown_) return; // no tile yet: the state would be one that is not displayed
     const { model } = this.host;
     const isAtEnd = progress.carved === this.records_;
     const played = rate > 0 ? rate : isAtEnd ? (this.wish_.rate ?? 0) : 0;

@@ -96,10 +96,18 @@ describe('the past in the page', () => {
   });
 
   const reach = (carved: number, hash: string | null, rate = 0, tools: ToolState[] = []): void =>
+    reachWith([{ x: carved, y: 0 }], carved, hash, rate, tools);
+  const reachWith = (
+    tiles: { x: number; y: number }[],
+    carved: number,
+    hash: string | null,
+    rate = 0,
+    tools: ToolState[] = [],
+  ): void =>
     hear({
       type: 'carved',
       progress: { carved, machining_s: 0, time_s: 0, next_s: null, removed_mm3: 1, line: 0, tools },
-      tiles: [{ x: carved, y: 0 } as never],
+      tiles: tiles as never,
       hash,
       rate,
       carvingMs: 0,
@@ -166,6 +174,17 @@ describe('the past in the page', () => {
     past.seek({ type: 'seek', at: 41 });
     await turn();
     expect((local.cover.mock.calls[0]![0] as unknown[]).length).toBe(2); // all tiles again
+  });
+
+  it('states no record before it has a tile to display, so that the present is not lost', async () => {
+    past.seek({ type: 'seek', at: 1 });
+    await turn();
+    hear({ type: 'opened', about: {} as never, path: null });
+    reachWith([], 1, 'state 1');
+    expect(model.state).toEqual(LIVE);
+    past.seek({ type: 'seek', at: 'live' });
+    past.seek({ type: 'seek', at: 'live' }); // the playback asks again
+    expect([past.isShown, model.state]).toEqual([false, LIVE]);
   });
 
   it('gets records that have come since before it goes there', async () => {
