@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prints how many bytes of a journal one motion takes, for hands at 1 kHz with a commit every 10 ms
 // and for programs that are carved fast. The size is that of the file, including rows and index
-// pages, without the empty journal of 28 kB. Also prints the share of the batches themselves (the
+// pages, without that of an empty journal. Also prints the share of the batches themselves (the
 // remainder is SQLite's) and the part that no code can save: the entropy of the noise of the
 // encoders and of the agent's clock, as if the path of the hand were known.
 //

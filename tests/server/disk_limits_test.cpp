@@ -161,10 +161,10 @@ TEST_F(SessionDisk, ReserveStaysFree) {
 TEST_F(SessionDisk, NoSnapshotIsWrittenWhileTheDiskIsLow) {
   snapshots.writer = &writer;
   snapshots.limits = {.replay_time = {}, .age = std::chrono::hours(1), .pause = {}};
-  limit({.folder = 1'000'000});
+  limit({.folder = 10'000'000});  // so large that the journal is a small share
   const auto session = start();
   const auto id = join(*session);
-  fill(900'000);
+  fill(9'000'000);
   registry->keep_disk_limits();
   carve_circle(*session, id);
   executor->run();
