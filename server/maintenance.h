@@ -33,8 +33,8 @@ int replay_without(const std::filesystem::path& file, const std::vector<std::uin
 /// nothing can be salvaged or the new journal cannot be written.
 int salvage(const std::filesystem::path& file, const std::filesystem::path& to);
 
-/// `kerf-server merge`: writes a journal with the strokes of two copies of a block
-/// (merge_journals), and prints what was taken. Without `to`, prints the strokes that would be.
+/// `kerf-server merge`: writes to `to` a journal with the strokes of two copies of a block
+/// (merge_journals), and prints the strokes that `ours` lacked. If `to` is empty, only prints them.
 /// Returns the exit status: 0, or 1 if they cannot be merged.
 int merge(const std::filesystem::path& ours, const std::filesystem::path& theirs,
           const std::filesystem::path& to, const std::vector<std::uint64_t>& strokes);

@@ -120,7 +120,7 @@ Json placed_json(const PlacedSession& session) {
           {"node", session.node}};
 }
 
-/// Adds what the caller may do with a session in the list of sessions.
+/// Adds the rights of the caller to an entry of the list of sessions.
 void add_rights(Json& session, const Caller& caller) {
   session["may_rename"] = may(caller.role, Action::kRenameSession);
   session["may_close"] = may(caller.role, Action::kCloseSession);

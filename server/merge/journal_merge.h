@@ -48,18 +48,15 @@ struct MergedJournal {
   std::uint64_t hash = 0;              ///< of the block
 };
 
-/// Maximum number of records of a file that a request sends.
-inline constexpr std::uint64_t kMergeRecordsMax = 10'000'000;
-
 /// Returns the strokes with motions that `ours` lacks, in the order of `theirs`.
 std::expected<std::vector<OtherStroke>, MergeError> strokes_to_merge(
     const std::filesystem::path& ours, const std::filesystem::path& theirs,
     const std::stop_token& stop = {});
 
-/// Appends the motions of `theirs` that the journal `ours` lacks, those of `chosen` strokes if
-/// given. What a motion cuts depends on nothing else, so the block is the same in whichever order,
-/// and however often, copies are merged. Nobody else may write `ours`; after an error it may have a
-/// part of the motions.
+/// Appends the motions of `theirs` that the journal `ours` lacks: all, or those of the `chosen`
+/// strokes. A motion cuts the same stock whatever else is cut, so the order and the number of
+/// merges do not change the block. Nobody else may write `ours`; after an error it may have a part
+/// of the motions.
 ///
 /// A record is known by its origin (record_origins.h), a tool by its outline. If both journals undo
 /// or redo a stroke, the change with the greater (Lamport time, writer) holds. Pins are taken;

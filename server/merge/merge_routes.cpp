@@ -24,7 +24,8 @@ using Json = nlohmann::json;
 
 /// Maximum size of a file: about 10 million motions.
 constexpr std::size_t kMergeBytesMax = std::size_t{16} << 20;
-/// Memory of a merge per byte of the file: 16 bytes for each record, of which one has 10 bits.
+/// Memory of a merge per byte of the file. A record takes 10 bits there at least, and 16 bytes of
+/// memory (read_side).
 constexpr std::size_t kMemoryPerByte = 16;
 
 /// The body of a request as a file, which is removed at the end.
@@ -50,11 +51,16 @@ class BodyFile {
   bool is_written_ = false;
 };
 
-ApiResponse merge_failure(const MergeError& error) {
+/// The reason calls the temporary file `theirs` "the file": its path is no matter of a client.
+ApiResponse merge_failure(const MergeError& error, const std::filesystem::path& theirs) {
   using enum MergeErrorCode;
   const bool is_file = error.code == kJournal;
+  std::string reason = error.reason;
+  if (const auto at = reason.find(theirs.string()); at != std::string::npos) {
+    reason.replace(at, theirs.string().size(), "the file");
+  }
   return error_response(is_file ? 422 : 409, is_file ? "bad_journal" : to_string(error.code),
-                        error.reason);
+                        reason);
 }
 
 Json strokes_json(const std::vector<OtherStroke>& strokes) {
@@ -91,7 +97,7 @@ std::optional<StrokeSet> parse_strokes(const std::string& text) {
 
 ApiResponse list_strokes(const ApiCall& call, const std::filesystem::path& theirs) {
   const auto strokes = strokes_to_merge(call.session->journal_file(), theirs, call.request.stop);
-  if (!strokes) return merge_failure(strokes.error());
+  if (!strokes) return merge_failure(strokes.error(), theirs);
   return json_response(200, text_of({{"strokes", strokes_json(*strokes)}}));
 }
 
@@ -112,7 +118,7 @@ ApiResponse create_merged(const ApiCall& call, const std::filesystem::path& thei
   Session& session = *call.session;
   const auto created =
       call.services.registry.branch(id, session, session.sequence(), call.request.stop, extend);
-  if (fault) return merge_failure(*fault);
+  if (fault) return merge_failure(*fault, theirs);
   if (!created) return registry_failure(created.error());
   if (auto failure = flush_failure(**created)) return *std::move(failure);
   const std::string url = "/v1/sessions/" + (*created)->id();

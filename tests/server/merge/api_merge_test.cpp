@@ -101,6 +101,8 @@ TEST_F(ApiMerge, ListsAndTakesChosenStrokes) {
 
 TEST_F(ApiMerge, RejectsWhatCannotBeMerged) {
   cut_elsewhere(8);
+  const std::string reason = post("", "solid cube", 422).at("error").at("reason");
+  EXPECT_EQ(reason, "the file: file is not a database");
   EXPECT_EQ(code("", "solid cube", 422), "bad_journal");
   EXPECT_EQ(code("", content().substr(0, 5000), 422), "bad_journal");
   EXPECT_EQ(code("?strokes=9999", content(), 409), "unknown_stroke");

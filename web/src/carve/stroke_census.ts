@@ -61,7 +61,7 @@ export class StrokeCensus {
     return !this.isCutting_ && this.isUnclear_();
   }
 
-  /** Whether the newest stroke goes on. */
+  /** Whether the newest stroke that was sent has not ended. */
   get isCutting(): boolean {
     return this.isCutting_;
   }

@@ -48,7 +48,7 @@ function imageTo(isTaken: boolean, n: number): Image {
 
 interface Bench {
   link: AgentLink;
-  /** Lets the block do what it was sent; returns its state; null: something is left to do. */
+  /** Carves everything that the block was sent. Returns its state, or null if more is to come. */
   settle(): Promise<string | null>;
 }
 
